@@ -4,9 +4,9 @@
 //! F_v(u, grad u) + F_a(u, grad u; beta),   beta = beta(u, grad u, dxi/dx) at the same point                        (artificial)
 //! ```
 //!
-//! in (volume) and (sip). On facets either side has its own beta, with which F_a of the gradient and of the jump are taken.
-//! beta depends on the values at the point only, so derivatives by dual numbers are exact. The terms have their own loops: laws without
-//! artificial viscosity run the loops of the other terms only.
+//! in (volume) and (sip). On facets either side has its own beta, with which F_a of the gradient and of the jump are taken. It depends on
+//! the values at the point only, so derivatives by dual numbers are exact. The terms have their own loops: laws without artificial
+//! viscosity run the loops of the other terms only.
 
 use crate::conservation_law::ConservationLaw;
 use crate::facet::times_normal;

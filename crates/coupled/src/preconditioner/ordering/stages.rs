@@ -1,10 +1,10 @@
 //! Stages: cells that all blocks eliminate at the same time.
 //!
 //! The order of elimination of the whole mesh goes from block to block and back. The depth of a cell is the largest number of cuts on a way
-//! to it that the order follows. With a stage for every depth, blocks wait for each other and keep the order exactly. With fewer, depths are
-//! joined into groups. In a group, cells are visited in the order of elimination: a cell takes the stage of its earlier neighbours in its
-//! block, or one more if an earlier neighbour in another block has that stage. Where this leads to a third stage, the order is given up for
-//! the cell: it takes the first stage that no earlier neighbour in another block has.
+//! to it that the order follows. With a stage for every depth, blocks wait for each other and keep the order exactly. With fewer, depths
+//! are joined into groups. In a group, cells are visited in the order of elimination. A cell takes the stage of its earlier neighbours in
+//! its block, or one more if an earlier neighbour in another block has that stage. Where this leads to a third stage, the order is given up
+//! for the cell: it takes the first stage that no earlier neighbour in another block has.
 
 use super::graph::Graph;
 use std::collections::BTreeSet;
