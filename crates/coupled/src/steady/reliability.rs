@@ -121,7 +121,7 @@ fn disturb(layout: Layout, u: &mut [f64]) {
     for (cell, a) in layout.cells_and_times() {
         for m in 0..layout.components {
             let values = &mut u[layout.component_at(cell, a, m)];
-            let mean = values.iter().sum::<f64>() / layout.nodes as f64;
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
             // The golden ratio spreads its multiples evenly.
             let multiple = (cell * layout.components + m) as f64 * 0.618_033_988_749_894_9;
             let factor = DISTURBANCE * (2.0 * multiple.fract() - 1.0);
