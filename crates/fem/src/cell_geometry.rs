@@ -65,8 +65,8 @@ pub(crate) struct CellMotion<'a, const D: usize> {
     pub(crate) bottom: &'a [Pack],
 }
 
-/// The geometry of a slab that is kept: `[time point][block of planes][number][p]`, then J at the top, `[p]`, unless the last time point is the
-/// top.
+/// The length of the geometry that is kept for a slab, `[time point][block of planes][number][p]`. J at the top follows, `[p]`, unless the
+/// last time point is the top.
 pub(crate) const fn kept_len(dimension: usize, time_points: usize, points: usize, has_top: bool) -> usize {
     (time_points * geometry_len(dimension) + has_top as usize) * points
 }

@@ -58,7 +58,8 @@ impl EarlierRun {
     }
 }
 
-/// Whether the result at `path` has neither the coefficients of a flow nor the stress that every structure writes. False if it cannot be read.
+/// Whether the result at `path` has neither the coefficients of a flow nor the stress that every structure writes. False if it cannot be
+/// read.
 fn holds_mesh_alone(path: &Path) -> bool {
     let Ok(ResultReader { layout, .. }) = ResultReader::open(path) else { return false };
     layout.exact.iter().all(|array| array.name != "flow") && layout.fields.iter().all(|field| field.name != "von_mises")

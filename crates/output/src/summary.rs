@@ -234,7 +234,8 @@ pub struct Body {
     /// Its frequency.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frequency: Option<f64>,
-    /// Every coordinate: "x", "y", "z", "rotation", "rotation_x" ... of a rigid body, the displacements of the observed points of a structure.
+    /// Every coordinate: "x", "y", "z", "rotation", "rotation_x" ... of a rigid body, the displacements of the observed points of a
+    /// structure.
     pub coordinates: BTreeMap<String, Oscillation>,
     /// The work of the flow on it.
     pub work: f64,

@@ -74,8 +74,8 @@ impl Share {
         self.sums.communicator().exchange(&sends, &mut receives);
     }
 
-    /// Sends `len` numbers of every own cell for which `wanted` holds to the ranks where it is a ghost, and passes those of the ghosts for which
-    /// it holds to `put`. A collective call; ranks that have nothing for each other send nothing.
+    /// Sends `len` numbers of every own cell for which `wanted` holds to the ranks where it is a ghost. Passes the numbers of the ghosts
+    /// for which `wanted` holds to `put`. A collective call; ranks that have nothing for each other send nothing.
     pub fn exchange_some(
         &self,
         wanted: impl Fn(usize) -> bool,
@@ -100,8 +100,8 @@ impl Share {
         }
     }
 
-    /// Sends `len` numbers for every pair (ghost, item) of `outgoing` to the owner of the ghost, and passes those that come from the owners of
-    /// the ghosts `from` to `put`, with their places in `from`. Both sides have the items in the same order. A collective call.
+    /// Sends `len` numbers for every pair (ghost, item) of `outgoing` to the owner of the ghost. Receives numbers from the owners of the
+    /// ghosts `from` and passes them to `put`, with their places in `from`. Both sides have the items in the same order. A collective call.
     pub fn exchange_across(
         &self,
         outgoing: &[(usize, usize)],
