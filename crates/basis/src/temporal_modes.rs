@@ -48,6 +48,8 @@ impl TemporalModes {
         }
     }
 
+    /// |Q| |Q^{-1}| in the Frobenius norm, for the basis Q of the modes. Errors of modes are amplified by this factor at most. It is 1 to
+    /// 40 up to N_t = 4, then ten times more for every two nodes.
     pub fn condition(&self, time: &RadauTime) -> f64 {
         let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>().sqrt();
         let unweighted = self.forward.values().iter().zip(time.weights().iter().cycle()).map(|(x, w)| x * w);
