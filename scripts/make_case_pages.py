@@ -5,42 +5,20 @@
 
 A page holds the comment at the head of the case, a picture, and the figures of summary.json. Seconds are left out, because they stand on the
 page that `make_speed_page.py` writes. Results are looked for in DIRECTORY/NAME (default: runs, where `stsolve run cases/NAME.toml` leaves them).
-A case without results keeps its picture and figures. The program, $STSOLVE or scripts/stsolve, draws vortices. The list of pages, with small
-pictures, and the table of contents are written anew. Needs the module stsolve (scripts/wheel --here) and the Python packages of
+A case without results keeps its picture and figures. `case_pictures.py` draws, mostly by the program, $STSOLVE or scripts/stsolve. The list of
+pages, with small pictures, and the table of contents are written anew. Needs the module stsolve (scripts/wheel --here) and the Python packages of
 scripts/requirements.txt.
 """
 
 import argparse
 import json
-import os
 import pathlib
-import subprocess
-import sys
 import tomllib
 
-import PIL.Image
+import case_pictures
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BOOK = ROOT / "docs" / "src"
-SCRIPTS = ROOT / "scripts"
-
-# What is drawn: the mesh where the flow is uniform or there is none, otherwise a field; and in which window (x0, y0, x1, y1), if not all.
-UNIFORM = {"free_stream", "free_stream_3d"}
-FIELD = {"couette": "temperature", "manufactured": "density", "cylinder_m1": "vorticity", "cylinder_steady": "vorticity", "channel_cylinder": "vorticity",
-         "cylinder_street": "pressure",
-         "cylinder_viv": "vorticity", "flapping_free": "pressure", "flutter_airfoil": "pressure", "turek_hron_fsi1": "vorticity", "turek_hron_fsi2": "vorticity", "turek_hron_fsi3": "vorticity", "taylor_green_3d": "pressure", "kelvin_helmholtz": "density", "sod": "density", "wedge": "pressure", "cylinder_mach_3": "mach", "sphere_300": "vorticity", "flapping_wing_3d": "vorticity", "rough_channel": "vorticity"}
-WINDOW = {
-    "naca0012_heave": (-0.75, -0.25, 3.25, 1.75), "cylinder_steady": (-2, -2, 6, 2), "airfoil_motion": (-0.6, 0, 1.6, 2),
-    "cylinder_mach_3": (-1.3, -1.3, 0, 1.3), "naca0012_wave": (-0.75, -0.5, 2.25, 1.0), "naca0012_heave_pitch": (-0.75, -0.25, 3.25, 1.75), "naca0012_paper": (-0.75, -0.25, 2.25, 1.75), "cylinder_street": (-2, -4, 14, 4), "cylinder_viv": (-2, -4, 14, 4), "flapping_free": (-0.75, -1.25, 3.25, 1.25),
-    "flutter_airfoil": (-0.75, -0.75, 1.75, 0.75),
-}
-# From where a mesh in three dimensions is seen.
-DIRECTION = {"channel_roughness_3d": (0.6, 1.6, 1.2), "turbine_blade_roughness_3d": (-1.0, 0.8, 1.0)}
-# Cases whose vortices are drawn, with the level of Q.
-VORTICES = {"sphere_300": 0.02, "flapping_wing_3d": 0.3}
-WIDTH = 800
-# The largest width and height of a small picture on the page of all cases.
-THUMBNAIL = (200, 130)
 
 # Sections of summary.json that are figures of the run, and what they are called.
 FIGURES = {
@@ -97,42 +75,6 @@ def figures(summary):
                 yield title, key, short(value)
 
 
-def draw(name, run, summary, picture):
-    """A picture of the last step, or of all; what it shows, or nothing."""
-    result, window = run / "result.vtkhdf", WINDOW.get(name)
-    if name in VORTICES:
-        return draw_vortices(run, VORTICES[name], picture)
-    if "structure" in summary:
-        return drawn("the structure at several times", "plot_structure.py", run, picture)
-    if "flow" in summary["unknowns"] and name not in UNIFORM:
-        field = FIELD.get(name, "mach")
-        arguments = ["--field", field, "--width", WIDTH, *(["--window", *window] if window else [])]
-        return drawn(f"{field} at the end", "render_vtk.py", result, picture, *arguments)
-    if summary["mesh"]["dimension"] == 2:
-        arguments = ["--window", window[0], window[2], window[1], window[3]] if window else []
-        return drawn("mesh at the end", "plot_mesh.py", result, "--output", picture, *arguments)
-    if name in DIRECTION:
-        arguments = ["--field", "jacobian", "--width", WIDTH, "--from", *DIRECTION[name]]
-        return drawn("surface of the mesh at the end, by det J / det J_0", "render_vtk.py", result, picture, *arguments)
-    return None
-
-
-def draw_vortices(run, level, picture):
-    """The last frame of a movie of the report."""
-    options = ["--movie", "mach", "--window", "vortices, oblique", "--q-level", str(level)]
-    subprocess.run([os.environ.get("STSOLVE", SCRIPTS / "stsolve"), "report", run, *options], check=True, stdout=subprocess.DEVNULL)
-    movie = PIL.Image.open(run / "mach_vortices_oblique.png")
-    movie.seek(movie.n_frames - 1)
-    movie.convert("RGB").save(picture)
-    return f"Mach number on the surface Q = {level} at the end"
-
-
-def drawn(shows, script, *arguments):
-    """Has a script draw; what that shows."""
-    subprocess.run([sys.executable, *map(str, [SCRIPTS / script, *arguments])], check=True, stdout=subprocess.DEVNULL)
-    return shows
-
-
 def write_page(case, run):
     """The page of a case, from its file and its run; without a run, with the picture and the figures that it has."""
     page = BOOK / "cases" / f"{case.stem}.md"
@@ -161,7 +103,7 @@ def description(case):
 def picture(name, run, summary):
     """Draws the picture of a run; the lines that show it."""
     file = BOOK / "pictures" / f"case_{name}.png"
-    shows = draw(name, run, summary, file)
+    shows = case_pictures.draw(name, run, summary, file)
     return [f"![{shows}](../pictures/{file.name})", ""] if shows else []
 
 
@@ -182,16 +124,9 @@ def picture_and_figures(page):
 
 
 def thumbnail(name, title):
-    """Makes the small copy of a picture; a cell that shows it, or an empty one."""
-    picture = BOOK / "pictures" / f"case_{name}.png"
-    if not picture.exists():
-        return ""
+    """A cell that shows the small picture of a case, or an empty one."""
     small = BOOK / "pictures" / "small" / f"{name}.png"
-    small.parent.mkdir(exist_ok=True)
-    image = PIL.Image.open(picture).convert("RGB")
-    image.thumbnail(THUMBNAIL, PIL.Image.Resampling.LANCZOS)
-    image.quantize(64).save(small, optimize=True)
-    return f"[![{title}](../pictures/small/{small.name})]({name}.md)"
+    return f"[![{title}](../pictures/small/{small.name})]({name}.md)" if small.exists() else ""
 
 
 def write_lists():

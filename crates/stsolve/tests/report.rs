@@ -135,7 +135,12 @@ fn the_page_of_the_mesh_alone_has_no_flow() {
     let set = ["mesh.generate.box.cells=[3,3]", "constants.stretch=1.5", "time.step=0.5"];
     run(&directory, "motion", "vortex", &set).expect(1, &["the mesh is not valid"]);
     let page = page(directory.path());
-    assert_eq!(data(&page)["pictures"]["quantities"].as_array().unwrap().len(), 2);
+    let quantities = data(&page)["pictures"]["quantities"].clone();
+    let labels: Vec<&str> = quantities.as_array().unwrap().iter().map(|q| q["label"].as_str().unwrap()).collect();
+    let expected = ["Mesh: det J / det J\u{2080}", "Mesh: scaled Jacobian", "Displacement, magnitude"];
+    assert_eq!(labels, expected);
+    // Without other curves those of the mesh are open.
+    assert!(page.contains("<details open><summary>Solver and mesh</summary>"));
     assert!(page.contains("Quality of the mesh") && !page.contains("Residual of a slab"));
     let first = number(&summary(&directory.path().join("run")), "mesh_quality.first_invalid_time");
     assert_eq!(figure(&page, "mesh_quality.first_invalid_time").1, first.to_string());
@@ -164,14 +169,18 @@ fn the_page_of_a_failed_run_tells_why() {
     let page = page(directory.path());
     let failed: Value =
         serde_json::from_str(&fs::read_to_string(directory.path().join("run/failure/failure.json")).unwrap()).unwrap();
-    let plain = page.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"").replace("&amp;", "&");
+    let plain = page.replace("<code>", "`").replace("</code>", "`");
+    let plain = plain.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"").replace("&amp;", "&");
     let causes = failed["causes"].as_array().unwrap();
     assert!(!causes.is_empty() && page.contains("id=\"failure\""));
     for text in
         causes.iter().flat_map(|cause| [&cause["what"], &cause["remedy"]]).chain([&failed["worst_cell"]["because"]])
     {
-        assert!(plain.contains(text.as_str().unwrap()), "{text}");
+        // Sentences of the page begin with a capital.
+        let (first, rest) = text.as_str().unwrap().split_at(1);
+        assert!(plain.contains(&(first.to_uppercase() + rest)) || plain.contains(&format!("{first}{rest}")), "{text}");
     }
+    assert!(page.contains("bad\">failed</span>"));
     assert!(page.contains("src=\"data:image/svg+xml;base64,"));
     // The same directory, with a run that does not fail.
     on_case(directory.path(), "run", "vortex", &SMALL, "run", &["--force"]).expect(0, &[]);
@@ -279,7 +288,24 @@ fn every_wall_has_a_window_and_a_movie_every_step() {
     // The chunk acTL: the number of frames, and for ever.
     let control = movie.windows(4).position(|name| name == b"acTL").unwrap() + 4;
     assert_eq!(movie[control..control + 8], [0, 0, 0, 3, 0, 0, 0, 0]);
-    stsolve(directory.path(), &["report", "run", "--movie", "much"]).expect(2, &["no pictures of `much`", "mach"]);
+    let outcome =
+        stsolve(directory.path(), &["report", "run", "--picture", "mach", "--window", "0,0,1,1", "--range=-1,1"]);
+    outcome.expect(0, &[]);
+    assert!(outcome.stdout.starts_with("run/mach_0_0_1_1_last.png: ") && outcome.stdout.contains(" 1 frame, 0,0,1,1"));
+    let picture = fs::read(directory.path().join("run/mach_0_0_1_1_last.png")).unwrap();
+    assert!(picture.starts_with(b"\x89PNG") && !picture.windows(4).any(|name| name == b"acTL"));
+    refuses_bad_pictures(directory.path());
+}
+
+/// Fields, windows, ranges and options of pictures that make no sense.
+fn refuses_bad_pictures(directory: &Path) {
+    stsolve(directory, &["report", "run", "--movie", "much"]).expect(2, &["no pictures of `much`", "mach"]);
     let nowhere = ["report", "run", "--movie", "mach", "--window", "nowhere"];
-    stsolve(directory.path(), &nowhere).expect(2, &["no window `nowhere`", "near bottom"]);
+    stsolve(directory, &nowhere).expect(2, &["no window `nowhere`", "near bottom"]);
+    let range = ["report", "run", "--picture", "mach", "--range", "1,0"];
+    stsolve(directory, &range).expect(2, &["`1,0` is no range of colours"]);
+    let words = ["report", "run", "--picture", "mach", "--range", "1"];
+    stsolve(directory, &words).expect(2, &["two numbers with a comma between them"]);
+    stsolve(directory, &["report", "run", "--picture", "mach", "--movie", "mach"]).expect(2, &["cannot be used with"]);
+    stsolve(directory, &["report", "run", "--no-edges"]).expect(2, &["--movie <FIELD>"]);
 }

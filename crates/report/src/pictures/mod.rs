@@ -9,6 +9,7 @@ mod cuts;
 mod drawn;
 mod encode;
 mod error;
+mod indexed;
 mod lettering;
 mod lines;
 mod movie;

@@ -1,8 +1,10 @@
 //! A frame of a movie: the picture with its title, its colours and their numbers.
 
 use super::canvas::Canvas;
+use super::colour::Colour;
 use super::drawn::Drawn;
 use super::encode::{COLOURS, palette};
+use super::indexed::IndexedColours;
 use super::lettering::{self, write};
 use super::lines::LineLayer;
 use super::quantity::{PictureQuantity, Range};
@@ -71,6 +73,16 @@ impl Shot {
         canvas
     }
 
+    /// The colours that frames are reduced to.
+    pub fn colours(&self) -> IndexedColours {
+        IndexedColours::new(self.quantity.0.colours(), self.ground())
+    }
+
+    /// The colour where nothing is drawn.
+    fn ground(&self) -> Colour {
+        self.quantity.0.ground().unwrap_or([255; 3])
+    }
+
     /// The height of capitals.
     fn letters(&self) -> f64 {
         (LETTERS * self.window.width as f64).clamp(SMALLEST, LARGEST).round()
@@ -91,7 +103,7 @@ impl Shot {
         let (width, top) = (self.window.width, self.header());
         let (quantity, _) = self.quantity;
         let colours = palette(quantity.colours());
-        let ground = quantity.ground().unwrap_or([255; 3]);
+        let ground = self.ground();
         for (pixel, &number) in drawn.numbers[0].iter().enumerate() {
             let colour = if number == 0 { ground } else { colours[usize::from(number)] };
             canvas.set(pixel % width, top + pixel / width, colour);

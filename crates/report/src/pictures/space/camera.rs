@@ -51,9 +51,9 @@ impl Camera {
         dot(&self.toward, x)
     }
 
-    /// The part of the picture that shows a box.
-    pub fn extent(&self, shown: Cuboid) -> Extent {
-        Extent::of(shown.corners().map(|corner| self.project(&corner)))
+    /// The part of the picture that shows some boxes.
+    pub fn extent(&self, shown: &[Cuboid]) -> Extent {
+        Extent::of(shown.iter().flat_map(Cuboid::corners).map(|corner| self.project(&corner)))
     }
 
     /// The unit vector toward the light: above the eye, to the left.

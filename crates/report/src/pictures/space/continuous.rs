@@ -4,6 +4,7 @@
 //! Q takes the mean of their values. Inside a cell it is the polynomial through its nodes.
 
 use super::cuboid::in_space;
+use super::places::Places;
 use crate::pictures::snapshot::Snapshot;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -14,31 +15,20 @@ pub struct ContinuousQ {
     nodal: HashMap<usize, Vec<f64>>,
 }
 
-/// Points closer than this fraction of the length of the domain are one node.
-const SAME: f64 = 1e-8;
-
-/// Where a node lies, in units of the distance [`SAME`].
-type Place = [i64; 3];
-
 impl ContinuousQ {
     /// Q of some `cells` in a domain of this length. M = D + 2.
     pub fn new<const D: usize, const M: usize>(snapshot: &Snapshot<D>, cells: &[usize], length: f64) -> Self {
-        let unit = SAME * length;
-        let place = |x: &[f64; D]| -> Place { in_space(x).map(|x| (x / unit).round() as i64) };
-        let of_cell = |&cell: &usize| -> Option<(usize, Vec<Place>, Vec<f64>)> {
+        let places = Places::new(length);
+        let of_cell = |&cell: &usize| -> Option<(usize, Vec<[f64; 3]>, Vec<f64>)> {
             let q = snapshot.q_at_nodes::<M>(cell)?;
-            Some((cell, snapshot.flow_nodes(cell).iter().map(place).collect(), q))
+            Some((cell, snapshot.flow_nodes(cell).iter().map(in_space).collect(), q))
         };
         let found: Vec<_> = cells.par_iter().filter_map(of_cell).collect();
-        let mut sums: HashMap<Place, [f64; 2]> = HashMap::new();
         // In the order of the cells, so that sums have the same bits for any number of threads.
-        for (place, q) in found.iter().flat_map(|(_, places, q)| places.iter().zip(q)) {
-            let [sum, count] = sums.entry(*place).or_default();
-            *sum += q;
-            *count += 1.0;
-        }
-        let mean = |place: &Place| sums.get(place).map_or(f64::NAN, |[sum, count]| sum / count);
-        let nodal = found.iter().map(|(cell, places, _)| (*cell, places.iter().map(mean).collect())).collect();
+        let numbers = found.iter().flat_map(|(_, points, q)| points.iter().zip(q));
+        let sums = places.sums(numbers.map(|(point, q)| (point, [*q, 1.0])));
+        let mean = |point: &[f64; 3]| sums.get(&places.of(point)).map_or(f64::NAN, |[sum, count]| sum / count);
+        let nodal = found.iter().map(|(cell, points, _)| (*cell, points.iter().map(mean).collect())).collect();
         ContinuousQ { nodal }
     }
 

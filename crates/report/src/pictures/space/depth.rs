@@ -149,7 +149,7 @@ mod tests {
     /// The picture against the axis z, 100 times 100 pixels of [-1, 1]^2.
     fn picture(surfaces: &[TriangleSurface]) -> DepthRaster {
         let camera = Camera::all()[2];
-        let window = Window::new("", camera.extent(Cuboid { lower: [-1.0; 3], upper: [1.0; 3] }), 1e4);
+        let window = Window::new("", camera.extent(&[Cuboid { lower: [-1.0; 3], upper: [1.0; 3] }]), 1e4);
         let mut raster = DepthRaster::new(&window, 1);
         surfaces.iter().for_each(|surface| raster.draw(&window, &camera, surface));
         raster

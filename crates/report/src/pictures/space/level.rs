@@ -114,14 +114,24 @@ impl Samples {
         (level > ROUND_OFF * (fastest / domain.length()).powi(2)).then_some(level)
     }
 
-    /// The box around the cells with Q above a level at any time.
-    pub fn vortices<const D: usize>(&self, level: f64, snapshots: &[Snapshot<D>]) -> Cuboid {
-        let boxes = |(snapshot, cells): (&Snapshot<D>, &Vec<(usize, f64)>)| {
-            let above = cells.iter().filter(|(_, largest)| *largest >= level);
-            above.map(|(cell, _)| Cuboid::of_cell(snapshot, *cell)).fold(Cuboid::EMPTY, Cuboid::union)
+    /// Boxes around the parts of cells with Q above a level, at any time. M = D + 2.
+    pub fn vortices<const D: usize, const M: usize>(&self, level: f64, snapshots: &[Snapshot<D>]) -> Vec<Cuboid> {
+        let boxes = |(snapshot, cells): (&Snapshot<D>, &Vec<(usize, f64)>)| -> Vec<Cuboid> {
+            let above: Vec<usize> =
+                cells.iter().filter(|(_, largest)| *largest >= level).map(|(cell, _)| *cell).collect();
+            above.into_par_iter().map(|cell| part_above::<D, M>(snapshot, cell, level)).collect()
         };
-        snapshots.iter().zip(&self.largest).map(boxes).fold(Cuboid::EMPTY, Cuboid::union)
+        snapshots.iter().zip(&self.largest).flat_map(boxes).collect()
     }
+}
+
+/// The box around the points of a cell with Q above a level, and half the way to the next ones.
+fn part_above<const D: usize, const M: usize>(snapshot: &Snapshot<D>, cell: usize, level: f64) -> Cuboid {
+    let fineness = FINENESS.min(snapshot.fineness_of_order());
+    let q = snapshot.q_criterion::<M>(cell, fineness).unwrap_or_default();
+    let points = snapshot.points(cell, fineness);
+    let above = Cuboid::of(points.iter().zip(&q).filter(|(_, q)| **q >= level).map(|(x, _)| in_space(x)));
+    above.grown(0.5 * Cuboid::of_cell(snapshot, cell).length() / PARTS[fineness] as f64)
 }
 
 /// A number with two digits, as the page shows it.

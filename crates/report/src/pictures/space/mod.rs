@@ -6,6 +6,7 @@ mod cuboid;
 mod depth;
 mod iso_surface;
 mod level;
+mod places;
 mod region;
 mod surface;
 mod wall;
@@ -24,6 +25,7 @@ use crate::html::short;
 use continuous::ContinuousQ;
 use depth::DepthRaster;
 use iso_surface::iso_surface;
+use places::Places;
 use rayon::prelude::*;
 use surface::TriangleSurface;
 use wall::wall_surface;
@@ -60,8 +62,8 @@ impl Space {
         snapshots.first()?.q_criterion::<M>(0, 0)?;
         let samples = level::samples::<D, M>(&region, snapshots);
         let level = given.or_else(|| samples.level::<D, M>(snapshots, region.domain))?;
-        let shown = region.shown(&samples.vortices(level, snapshots));
-        let windows = Camera::all().into_iter().map(|camera| window(camera, shown, level, given.is_some())).collect();
+        let shown = region.shown(&samples.vortices::<D, M>(level, snapshots));
+        let windows = Camera::all().into_iter().map(|camera| window(camera, &shown, level, given.is_some())).collect();
         Some(Space { level, region, windows })
     }
 
@@ -79,7 +81,8 @@ impl Space {
         let walls =
             self.region.walls.par_iter().map(|&[cell, face]| wall_surface(snapshot, cell, face, fineness(cell)));
         let walls: Vec<TriangleSurface> = walls.collect();
-        Scene { vortices: TriangleSurface::joined(vortices), walls: TriangleSurface::joined(walls) }
+        let vortices = TriangleSurface::joined(vortices).with_common_normals(Places::new(self.region.domain.length()));
+        Scene { vortices, walls: TriangleSurface::joined(walls) }
     }
 
     /// The surface Q = level in a cell of the flow.
@@ -102,8 +105,8 @@ impl Space {
     }
 }
 
-/// The window of a camera on the box `shown`.
-fn window(camera: Camera, shown: Cuboid, level: f64, given: bool) -> Window {
+/// The window of a camera on the boxes `shown`.
+fn window(camera: Camera, shown: &[Cuboid], level: f64, given: bool) -> Window {
     let extent = camera.extent(shown);
     let margin = MARGIN * extent.length();
     let meaning = " Four fifths of the integral of positive Q, over the part of the flow around the walls and all times shown, lie inside.";

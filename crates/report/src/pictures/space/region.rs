@@ -56,9 +56,10 @@ impl PictureRegion {
         (0..snapshot.cells()).filter(meets)
     }
 
-    /// The box that the pictures show: the walls and the box of the `vortices`.
-    pub fn shown(&self, vortices: &Cuboid) -> Cuboid {
-        self.around_walls.union(*vortices).intersection(self.outer)
+    /// The boxes that the pictures show: the walls and the boxes of `vortices`.
+    pub fn shown(&self, vortices: &[Cuboid]) -> Vec<Cuboid> {
+        let all = vortices.iter().chain([&self.around_walls]).map(|shown| shown.intersection(self.outer));
+        all.filter(|shown| !shown.is_empty()).collect()
     }
 }
 

@@ -1,6 +1,8 @@
 //! Surfaces of triangles in space.
 
 use super::cuboid::Cuboid;
+use super::places::Places;
+use tensor::norm;
 
 /// Triangles with a normal and several values at each corner.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,6 +34,15 @@ impl TriangleSurface {
         all
     }
 
+    /// The same surface with one normal at each place: the mean of those that its parts have there. So the light shows no edges between cells.
+    pub fn with_common_normals(mut self, places: Places) -> Self {
+        let unit = |n: &[f64; 3]| n.map(|component| component / norm(n).max(f64::MIN_POSITIVE));
+        let sums = places.sums(self.points.iter().zip(&self.normals).map(|(point, normal)| (point, unit(normal))));
+        self.normals =
+            self.points.iter().map(|point| sums.get(&places.of(point)).copied().unwrap_or_default()).collect();
+        self
+    }
+
     /// The triangles with their first corner in a box.
     pub fn within(mut self, outer: Cuboid) -> Self {
         let points = &self.points;
@@ -43,6 +54,19 @@ impl TriangleSurface {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn parts_have_a_common_normal_where_they_meet() {
+        let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let part = |normal: [f64; 3], other: usize| TriangleSurface {
+            points: vec![points[0], points[1], points[other]],
+            normals: vec![normal; 3],
+            ..TriangleSurface::default()
+        };
+        let both = TriangleSurface::joined(vec![part([0.0, 0.0, 2.0], 2), part([0.0, 4.0, 0.0], 3)]);
+        let normals = both.with_common_normals(Places::new(1.0)).normals;
+        assert_eq!((normals[0], normals[1], normals[2]), ([0.0, 1.0, 1.0], normals[4], [0.0, 0.0, 1.0]));
+    }
 
     #[test]
     fn joined_surfaces_keep_their_corners() {
