@@ -37,6 +37,11 @@ has_hdf5() {
         { has_brew && [[ -d $(brew --prefix)/opt/hdf5 ]]; }
 }
 
+# Builds the Python module and installs it in `venv`, unless it is there.
+prepare_module() {
+    "$venv/bin/python" -c "import stsolve" 2>/dev/null || "$root/scripts/wheel" --here
+}
+
 # Whether the feature mpi can be built and run: a compiler and a launcher of MPI, and libclang with its headers, which reads those of MPI.
 # On macOS libclang comes with Apple's compiler.
 has_mpi() {

@@ -10,7 +10,8 @@ One row for each result and window, in it one panel for each way to draw and eac
     none          edges alone
 
 Inverted cells have red edges.
-Edges are drawn through many points of their polynomial (`--draw smooth`), or straight from node to node (`--draw nodal`). Two dimensions only. Needs the packages of scripts/requirements.txt.
+Edges are drawn through many points of their polynomial (`--draw smooth`), or straight from node to node (`--draw nodal`). Two dimensions only. Needs the module stsolve and the
+packages of scripts/requirements.txt; `scripts/plot` prepares them.
 """
 
 import argparse
@@ -19,7 +20,7 @@ import sys
 import matplotlib
 import numpy as np
 from PIL import Image
-from read_result import Result, gauss_lobatto, lattice
+from stsolve import Result
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
@@ -36,6 +37,27 @@ INK, PAPER, WRONG = "#26323d", "#ffffff", "#d1242f"
 SCALED = LinearSegmentedColormap.from_list("scaled", ["#16425b", "#2f7f9e", "#8dc1c9", "#d9ecea", "#f7fbfa"])
 DEFORMATION = LinearSegmentedColormap.from_list(
     "deformation", ["#7a3b12", "#d08b45", "#f3ddbd", "#fbfaf7", "#c6dbe6", "#5492b5", "#173f5f"])
+
+
+def gauss_lobatto(count):
+    """The nodes in [-1, 1]: the ends and the roots of P'_(count-1)."""
+    inner = np.polynomial.legendre.Legendre.basis(count - 1).deriv().roots()
+    return np.concatenate([[-1.0], np.sort(inner.real), [1.0]])
+
+
+def lattice(along):
+    """All points of the plane with both coordinates in `along`, axis 0 fastest."""
+    return np.array([(x, y) for y in along for x in along])
+
+
+def nodes(result, step):
+    """The positions of the nodes, [cell][node][axis]."""
+    return np.swapaxes(result.array("position", step), 1, 2)
+
+
+def order(result):
+    """Nodes per direction of the mesh."""
+    return round(result.array("position").shape[-1] ** 0.5)
 
 
 class Colour:
@@ -61,7 +83,7 @@ class Colour:
 
 def moved(window, result, step):
     """The window, carried along by the node that was next to its centre at the first step."""
-    start, now = (np.swapaxes(result.coefficients("position", s), 1, 2).reshape(-1, 2) for s in (0, step))
+    start, now = (nodes(result, s).reshape(-1, 2) for s in (0, step))
     centre = np.array([window[0] + window[1], window[2] + window[3]]) / 2
     nearest = np.argmin(np.hypot(*(start - centre).T))
     shift = (now - start)[nearest]
@@ -70,8 +92,8 @@ def moved(window, result, step):
 
 def cells_in(window, result, step):
     """The cells that may show in a window."""
-    x = result.coefficients("position", step)
-    low, high = x.min(axis=2), x.max(axis=2)
+    x = nodes(result, step)
+    low, high = x.min(axis=1), x.max(axis=1)
     inside = (high[:, 0] >= window[0]) & (low[:, 0] <= window[1]) & (high[:, 1] >= window[2]) & (low[:, 1] <= window[3])
     return np.flatnonzero(inside)
 
@@ -86,7 +108,7 @@ def triangles(count, cells):
 
 def fill(axes, result, step, cells, colour, count):
     """Colours the cells; returns the values, [cell][point]."""
-    points = lattice(np.linspace(-1.0, 1.0, count), 2)
+    points = lattice(np.linspace(-1.0, 1.0, count))
     x = result.values("position", step, points)[cells].reshape(-1, 2)
     values = colour.values(result, step, points, cells)
     axes.tripcolor(*x.T, values.ravel(), triangles=triangles(count, len(cells)), shading="gouraud", cmap=colour.map,
@@ -106,25 +128,25 @@ def lines(result, step, cells, across, along):
 
 def outline(axes, result, step, cells, ink, width):
     """The edges of cells."""
-    along = np.linspace(-1.0, 1.0, 6 * result.order("position"))
+    along = np.linspace(-1.0, 1.0, 6 * order(result))
     edges = lines(result, step, cells, (-1.0, 1.0), along)
     axes.add_collection(LineCollection(edges, colors=ink, linewidths=width))
 
 
 def draw_edges(axes, result, step, cells, nodal, inner, width):
     """The edges of cells and, thin, `inner` lines inside."""
-    order = result.order("position")
-    along = gauss_lobatto(order) if nodal else np.linspace(-1.0, 1.0, 6 * order)
+    count = order(result)
+    along = gauss_lobatto(count) if nodal else np.linspace(-1.0, 1.0, 6 * count)
     if nodal or inner:
-        points = gauss_lobatto(order if nodal else inner)[1:-1]
+        points = gauss_lobatto(count if nodal else inner)[1:-1]
         axes.add_collection(LineCollection(lines(result, step, cells, points, along), colors=INK, linewidths=0.35 * width,
                                            alpha=0.45))
     axes.add_collection(LineCollection(lines(result, step, cells, (-1.0, 1.0), along), colors=INK, linewidths=width))
 
 
 def whole(result, step):
-    x = result.coefficients("position", step)
-    (x0, y0), (x1, y1) = x.min(axis=(0, 2)), x.max(axis=(0, 2))
+    x = nodes(result, step)
+    (x0, y0), (x1, y1) = x.min(axis=(0, 1)), x.max(axis=(0, 1))
     margin = 0.02 * max(x1 - x0, y1 - y0)
     return [x0 - margin, x1 + margin, y0 - margin, y1 + margin]
 
@@ -141,7 +163,7 @@ def draw_panel(axes, result, panel, colour, options):
         text, ink = ("inverted", WRONG) if len(inverted) else (f"smallest {smallest.min():.2f}", INK)
         axes.set_xlabel(text, fontsize=7, color=ink, labelpad=3)
     size = max(window[1] - window[0], window[3] - window[2])
-    typical = np.median(np.ptp(result.coefficients("position", step)[cells], axis=2).max(axis=1))
+    typical = np.median(np.ptp(nodes(result, step)[cells], axis=1).max(axis=1))
     width = np.clip(9.0 * typical / size, 0.25, 0.8)
     draw_edges(axes, result, step, cells, draw == "nodal", options.inner, width)
     if colour and len(inverted):

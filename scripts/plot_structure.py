@@ -5,19 +5,18 @@
 
 DIRECTORY is that of a run. Without --times, the outlines are of eight steps over the run, or over the first period of the first natural
 mode; without --magnify, displacements are drawn so that the largest is a tenth of the structure. Below it: the coordinates of the natural
-modes if there are some, otherwise the displacements of the points observed. Two dimensions only. Needs the Python packages of
-scripts/requirements.txt.
+modes if there are some, otherwise the displacements of the points observed. Two dimensions only. Needs the module stsolve (`scripts/wheel`)
+and the packages of scripts/requirements.txt.
 """
 
 import argparse
-import csv
 import json
 import pathlib
 import sys
 
 import matplotlib
 import numpy as np
-from read_result import Result
+from stsolve import Result
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
@@ -44,13 +43,6 @@ def boundary(rest):
     middles = rest[:, POINTS // 2]
     apart = np.linalg.norm(middles[:, None] - middles, axis=2)
     return (apart < 1e-9 * np.ptp(rest, axis=(0, 1)).max()).sum(axis=1) == 1
-
-
-def history(directory):
-    """The columns of history.csv."""
-    with open(directory / "history.csv", newline="") as file:
-        rows = list(csv.reader(file))
-    return dict(zip(rows[0], np.array(rows[1:], dtype=float).T))
 
 
 def chosen_steps(result, summary, times):
@@ -92,9 +84,9 @@ def draw_history(axes, columns):
 
 def magnification(result, steps):
     """So that the largest displacement is a tenth of the structure."""
-    rest, size = result.coefficients("position", 0), 0.0
+    rest, size = result.array("position", 0), 0.0
     for step in steps:
-        size = max(size, np.abs(result.coefficients("position", step) - rest).max())
+        size = max(size, np.abs(result.array("position", step) - rest).max())
     return 0.1 * np.ptp(rest, axis=(0, 2)).max() / size if size > 0.0 else 1.0
 
 
@@ -105,14 +97,14 @@ def main():
     parser.add_argument("--times", nargs="+", type=float)
     parser.add_argument("--magnify", type=float)
     arguments = parser.parse_args()
-    result = Result(arguments.directory / "result.vtkhdf")
+    result = Result(arguments.directory)
     if result.dimension != 2:
         sys.exit("only results in two dimensions can be drawn")
     summary = json.loads((arguments.directory / "summary.json").read_text())
     steps = chosen_steps(result, summary, arguments.times)
     figure, (above, below) = plt.subplots(2, 1, figsize=(8.0, 4.6), height_ratios=[1.25, 1.0], layout="constrained")
     draw_outlines(above, result, steps, arguments.magnify or magnification(result, steps))
-    draw_history(below, history(arguments.directory))
+    draw_history(below, result.history)
     figure.savefig(arguments.picture, dpi=100, facecolor=PAPER)
 
 

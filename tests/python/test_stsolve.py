@@ -1,7 +1,14 @@
-"""The Python module: a run, its result at points, errors, an interrupted run."""
+"""The Python module: a run, its slabs while it goes on, its result at points, errors, an interrupted run."""
 
+import ast
+import contextlib
+import gc
+import inspect
+import io
 import os
+import re
 import signal
+import subprocess
 import sys
 import tempfile
 import threading
@@ -11,37 +18,159 @@ from pathlib import Path
 import numpy as np
 
 import stsolve
+from coarse import CASES, VORTEX
+from stsolve import _progress
 
-CASES = Path(__file__).resolve().parents[2] / "cases"
-COARSE = {"flow.order": np.int64(4), "mesh.order": 4, "mesh.generate.box.cells": [6, 6], "time.end": 0.5, "time.step": 0.125}
+LONG = {**VORTEX, "time.step": 0.00125}
 
 
 def run(directory, **more):
     slabs = []
-    case = stsolve.Case(CASES / "vortex.toml", COARSE)
+    case = stsolve.Case(CASES / "vortex.toml", {**VORTEX, "flow.order": np.int64(4)})
     summary = case.run(output=directory, on_slab=slabs.append, **more)
     return slabs, summary
 
 
+def raised(kind, call):
+    """The exception of this kind that `call` raises."""
+    try:
+        call()
+    except kind as error:
+        return error
+    raise AssertionError(f"no {kind.__name__}")
+
+
 def test_run_and_result(directory):
     slabs, summary = run(directory)
-    assert summary["completed"] and [slab["number"] for slab in slabs] == [1, 2, 3, 4]
+    assert summary["completed"] and [slab.number for slab in slabs] == [1, 2, 3, 4]
     result = stsolve.Result(directory)
     assert len(result.times) == 5 and abs(result.times[-1] - 0.5) < 1e-14
     assert result.array("flow").shape == tuple(length for _, length in result.arrays["flow"])
     assert np.allclose(result.history["t"], result.times[1:], atol=1e-14)
+    assert [result.step_at(time) for time in (-1, 0.13, 0.3, 9)] == [0, 1, 2, 4]
+
+
+def test_slabs_have_the_rows_of_the_history(directory):
+    slabs, _ = run(directory)
+    history = stsolve.Result(directory).history
+    for row, slab in enumerate(slabs):
+        assert slab.keys() == list(slab) == list(history) and len(slab) == len(history)
+        assert dict(slab) == {name: column[row] for name, column in history.items()}
+        assert (slab.time, slab.dt) == (slab["t"], slab["dt"]) and "newton" in slab and "wind" not in slab
+    assert "newton" in str(raised(KeyError, lambda: slabs[0]["wind"]))
+    assert repr(slabs[0]) == "stsolve.Slab(1, time = 0.125, dt = 0.125)"
+
+
+def test_history_is_written_before_the_slab_is_told(directory):
+    """What on_slab reads in the directory includes its slab."""
+    rows = []
+    case = stsolve.Case(CASES / "vortex.toml", VORTEX)
+    case.run(output=directory, on_slab=lambda slab: rows.append((directory / "history.csv").read_text().count("\n")))
+    assert rows == [2, 3, 4, 5]
+
+
+def test_fields_of_slabs_are_those_of_the_result(directory):
+    """They stay as they were when the run has gone on, also without the slab."""
+    slabs, _ = run(directory)
+    result, fields = stsolve.Result(directory), [(slab.flow, slab.position) for slab in slabs]
+    moved = np.abs(result.array("position", 1) - result.array("position", 0)).max()
+    assert moved > 1e-3, "the mesh moves"
+    velocities = [slab.velocity for slab in slabs]
+    del slabs
+    gc.collect()
+    for step, (flow, position) in enumerate(fields, 1):
+        assert (flow == result.array("flow", step)).all() and (position == result.array("position", step)).all()
+    speeds = result.array("mesh_velocity")
+    assert set(np.unique(velocities[-1])) == set(np.unique(speeds)) and velocities[-1].shape[::2] == (speeds.shape[1], 2)
+
+
+def test_fields_of_slabs_are_no_copies_and_cannot_be_written(directory):
+    (slab, *_), _ = run(directory)
+    for field in ("flow", "velocity", "position", "displacement"):
+        array, again = getattr(slab, field), getattr(slab, field)
+        assert np.shares_memory(array, again) and not array.flags.owndata, field
+        raised(ValueError, lambda: array.fill(0.0))
+        raised(ValueError, lambda: array.setflags(write=True))
+
+
+def test_slabs_of_a_mesh_and_of_a_structure(directory):
+    box = {"mesh.generate.rotating_box.cells_per_side": 5, "time.end": 5, "time.slabs": 2}
+    for name, settings in [("rotating_box", box), ("cantilever", {"output.every": 1})]:
+        slabs = []
+        case = stsolve.Case(CASES / f"{name}.toml", settings)
+        case.run(output=directory, existing="replace", on_slab=lambda slab: slabs.append(slab) or len(slabs) < 2)
+        result = stsolve.Result(directory)
+        assert len(slabs) == 2 and slabs[1].flow is None
+        assert (slabs[1].position == result.array("position")).all() and result.times[-1] == slabs[1].time
+        assert dict(slabs[0]) == {column: values[0] for column, values in result.history.items()}
+        assert slabs[1].velocity.shape[1:] == slabs[1].displacement.shape and slabs[1].displacement.any()
+
+
+def test_progress(directory):
+    """Nothing in a pipe; a line that is written over on a terminal; an output of the cell in a notebook."""
+    with contextlib.redirect_stderr(io.StringIO()) as pipe:
+        run(directory, progress=True)
+    assert pipe.getvalue() == ""
+
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    with contextlib.redirect_stderr(Terminal()) as terminal:
+        run(directory, existing="replace", progress=True)
+    shown = terminal.getvalue()
+    assert shown.startswith("\r[") and shown.endswith("\n") and shown.count("\n") == 1, shown
+    assert "100 %  slab 4  t = 0.5 of 0.5" in shown.split("\r")[-1], shown
+
+
+def test_line_of_progress():
+    line = _progress.line(12, 0.24, 8, 0.25, 60)
+    assert line == "[======                  ]  25 %  slab 12  t = 0.24 of 8  1:00 min elapsed, 3:00 min left", line
+    assert [_progress._time(seconds) for seconds in (0.4, 59.4, 125, 7265)] == ["0 s", "59 s", "2:05 min", "2:01 h"]
+    assert "left" not in _progress.line(0, 0, 8, 0, 5)
 
 
 def test_values_at_points(directory):
     """At the nodes of the cells the polynomials have their coefficients."""
-    run(directory, existing="replace")
+    run(directory)
     result = stsolve.Result(directory)
-    x, u = result.array("position"), result.array("flow")[:, -1]
+    x, u, v = result.array("position"), result.array("flow")[:, -1], result.array("mesh_velocity")[:, -1]
     # The same nodes, as mesh and flow have the same order; of one cell, without those on its boundary.
     inside = [5, 6, 9, 10]
     points = x[7].T[inside]
     assert np.abs(result.evaluate(points) - u[7].T[inside]).max() < 1e-12
-    assert np.isnan(result.evaluate(np.array([[1e6, 0.0]]))).all()
+    assert np.abs(result.evaluate(points.tolist(), name="mesh_velocity") - v[7].T[inside]).max() < 1e-12
+    assert np.abs(result.evaluate(points, name="position") - points).max() < 1e-10
+    assert np.isnan(result.evaluate([[1e6, 0.0]])).all()
+    assert result.evaluate(np.empty((0, 2))).shape == (0, 4)
+    for wrong in ([5.0, 5.0], [[1.0, 2.0, 3.0]], 1.0):
+        assert "[point][axis] with 2" in str(raised(ValueError, lambda: result.evaluate(wrong)))
+    raised(KeyError, lambda: result.evaluate(points, name="wind"))
+    raised(IndexError, lambda: result.evaluate(points, 99))
+
+
+def test_values_in_cells(directory):
+    """Values at the nodes are the coefficients; determinants integrate to the area; facets are on their boundary."""
+    run(directory)
+    result = stsolve.Result(directory)
+    x = result.array("position")
+    nodes = np.array([-1, -np.sqrt(0.2), np.sqrt(0.2), 1])
+    lattice = [(a, b) for b in nodes for a in nodes]
+    assert np.abs(np.swapaxes(result.values("position", -1, lattice), 1, 2) - x).max() < 1e-13
+    assert np.abs(np.swapaxes(result.values("flow", 2, lattice), 1, 2) - result.array("flow", 2)[:, -1]).max() < 1e-12
+    gauss, weights = np.polynomial.legendre.leggauss(6)
+    determinants = result.determinants(-1, [(a, b) for b in gauss for a in gauss])
+    area = (determinants @ np.outer(weights, weights).ravel()).sum()
+    assert abs(area / result.determinants(0, [(0, 0)]).sum() / 4 - 1) < 0.1 and result.dimension == 2
+    rest = result.array("position", 0)
+    for boundary in result.boundaries:
+        facets = result.facets(boundary)
+        assert facets.shape[1] == 2 and len(facets)
+        side = [rest[cell].reshape(2, 4, 4)[(slice(None), *(slice(None),) * (face < 2), -(face % 2))] for cell, face in facets]
+        spread = np.ptp(np.array(side), axis=(0, 2))
+        assert spread.min() < 1e-12 < spread.max(), "the box has straight sides at rest"
+    assert "there is no boundary 'wind'" in str(raised(KeyError, lambda: result.facets("wind"))).replace('\\"', "'").replace('"', "'")
+    raised(ValueError, lambda: result.determinants(-1, [(0, 0)], name="flow"))
 
 
 def test_averages_and_surfaces(directory):
@@ -53,38 +182,31 @@ def test_averages_and_surfaces(directory):
         "output.surfaces.walls": ["bottom"],
         "output.surfaces.every": 1,
     }
-    stsolve.Case(CASES / "couette.toml", settings).run(output=directory, existing="replace")
+    stsolve.Case(CASES / "couette.toml", settings).run(output=directory)
     result = stsolve.Result(directory)
     assert np.abs(result.array("mean_pressure") - 0.8).max() < 0.01
     assert result.array("reynolds_stress_xy").shape[1] == 1
+    middle = result.values("position", -1, [(0.1, -0.2)])[:, 0]
+    mean = result.values("mean_velocity", -1, [(0.1, -0.2)])[:, 0]
+    assert np.abs(result.evaluate(middle, name="mean_velocity") - mean).max() < 1e-12 and np.ptp(mean[:, 0]) > 0.1
     for step in (0, 1):
         wall = result.surface("bottom", step)
         force = (wall["area"] * (wall["pressure"] * wall["normal_x"] + wall["friction_x"])).sum()
         assert abs(force - result.history["bottom_force_x"][step]) < 1e-13
-    try:
-        result.surface("left")
-    except KeyError as error:
-        assert "bottom" in str(error)
-    else:
-        raise AssertionError("a wall without a distribution")
+    assert "bottom" in str(raised(KeyError, lambda: result.surface("left")))
 
 
 def test_stop_and_resume(directory):
-    case = stsolve.Case(CASES / "vortex.toml", COARSE)
-    stopped = case.run(output=directory, existing="replace", on_slab=lambda slab: slab["number"] < 2)
+    case = stsolve.Case(CASES / "vortex.toml", VORTEX)
+    stopped = case.run(output=directory, on_slab=lambda slab: slab.number < 2)
     assert not stopped["completed"] and stopped["slabs"] == 2
     assert case.run(output=directory, existing="resume")["slabs"] == 4
 
 
 def test_errors(directory):
     for settings, part in [({"flow.order": 99}, "flow.order"), ({"flow.riemann": "none"}, "riemann")]:
-        try:
-            stsolve.Case(CASES / "vortex.toml", settings)
-        except stsolve.CaseError as error:
-            assert part in str(error), error
-        else:
-            raise AssertionError(f"{settings} is accepted")
-    run(directory, existing="replace")
+        assert part in str(raised(stsolve.CaseError, lambda: stsolve.Case(CASES / "vortex.toml", settings)))
+    run(directory)
     for call, kind in [
         (lambda: run(directory), stsolve.CaseError),
         (lambda: stsolve.Result(directory / "nothing"), stsolve.CaseError),
@@ -92,43 +214,80 @@ def test_errors(directory):
         (lambda: stsolve.Result(directory).array("wind"), KeyError),
         (lambda: run(directory, existing="perhaps"), stsolve.CaseError),
     ]:
-        try:
-            call()
-        except kind:
-            continue
-        raise AssertionError(f"no {kind.__name__}")
+        raised(kind, call)
 
 
-def test_exception_and_interrupt_stop_the_run(directory):
+def command(*arguments):
+    """What the command says on stderr, as one line of words, and its exit code."""
+    program = "import stsolve; stsolve.main()"
+    done = subprocess.run([sys.executable, "-c", program, *map(str, arguments)], capture_output=True, text=True)
+    return " ".join(done.stderr.split()), done.returncode
+
+
+def test_messages_are_those_of_the_command(directory):
+    wrong = str(raised(stsolve.CaseError, lambda: stsolve.Case(CASES / "vortex.toml", {"flow.order": 99, "mesh.order": 1})))
+    said, code = command("check", CASES / "vortex.toml", "--set", "flow.order=99", "--set", "mesh.order=1")
+    assert code == 2 and " ".join(wrong.split()) in said and wrong.count("order") > 1, (wrong, said)
+    hopeless = {**VORTEX, "solver.newton_max_steps": 1, "solver.slab_halvings": 0}
+    failed = raised(stsolve.SolveError, lambda: stsolve.Case(CASES / "vortex.toml", hopeless).run(output=directory))
+    settings = [word for key, value in hopeless.items() for word in ("--set", f"{key}={value}")]
+    said, code = command("run", CASES / "vortex.toml", "--output", directory, "--force", "--quiet", *settings)
+    first = str(failed).splitlines()[0]
+    assert code == 1 and " ".join(first.split()) in said, (first, said)
+
+
+def test_exception_stops_the_run(directory):
     def fail(slab):
-        raise ZeroDivisionError(slab["number"])
+        raise ZeroDivisionError(slab.number)
 
-    case = stsolve.Case(CASES / "vortex.toml", {**COARSE, "time.step": 0.00125})
-    try:
-        case.run(output=directory, existing="replace", on_slab=fail)
-    except ZeroDivisionError:
-        pass
-    else:
-        raise AssertionError("the exception is lost")
+    case = stsolve.Case(CASES / "vortex.toml", LONG)
+    assert raised(ZeroDivisionError, lambda: case.run(output=directory, on_slab=fail)).args == (1,)
+
+
+def test_interrupt_stops_the_run_with_a_checkpoint(directory):
     # A shell has its background jobs ignore the interrupt.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
-    started = time.time()
-    try:
-        case.run(output=directory, existing="replace", on_slab=lambda slab: time.sleep(0.05))
-    except KeyboardInterrupt:
-        assert time.time() - started < 15
-    else:
-        raise AssertionError("the interrupt is lost")
+    case, started = stsolve.Case(CASES / "vortex.toml", LONG), time.time()
+    raised(KeyboardInterrupt, lambda: case.run(output=directory, on_slab=lambda slab: time.sleep(0.05)))
+    assert time.time() - started < 15
+    done = stsolve.Result(directory).history["t"][-1]
+    more = []
+    case.run(output=directory, existing="resume", on_slab=lambda slab: more.append(slab.time) or False)
+    assert 0 < done < more[0] <= done + 0.002
+
+
+def test_stubs_describe_the_module():
+    """Every member has a docstring in the stubs, and the parameters of the module."""
+    stubs = ast.parse((Path(stsolve.__file__).parent / "__init__.pyi").read_text())
+    classes = {node.name: node for node in stubs.body if isinstance(node, ast.ClassDef)}
+    assert set(classes) == {name for name in stsolve.__all__ if inspect.isclass(getattr(stsolve, name))}
+    for name, stub in classes.items():
+        members = {node.name: node for node in stub.body if isinstance(node, ast.FunctionDef)}
+        assert ast.get_docstring(stub) and all(ast.get_docstring(member) for member in members.values()), name
+        public = {member for member in vars(getattr(stsolve, name)) if not member.startswith("_")}
+        assert public == {member for member in members if not member.startswith("_")}, name
+        for member in public:
+            real = getattr(getattr(stsolve, name), member)
+            assert real.__doc__, member
+            if callable(real):
+                parameters = [argument.arg for argument in members[member].args.args]
+                assert parameters == list(inspect.signature(real).parameters), member
+
+
+def test_version():
+    assert re.fullmatch(r"\d+\.\d+\.\d+.*", stsolve.__version__)
 
 
 def main():
+    wanted = sys.argv[1:]
     tests = [(name, test) for name, test in globals().items() if name.startswith("test_")]
+    tests = [(name, test) for name, test in tests if not wanted or name in wanted]
     failed = 0
     for name, test in tests:
         with tempfile.TemporaryDirectory() as directory:
             try:
-                test(Path(directory) / "run")
+                test(*[Path(directory) / "run"] if inspect.signature(test).parameters else [])
             except Exception as error:  # noqa: BLE001
                 failed += 1
                 print(f"{name}: {type(error).__name__}: {error}")

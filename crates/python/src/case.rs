@@ -13,6 +13,9 @@ use std::time::Duration;
 /// How often a run looks for an interrupt.
 const WATCH: Duration = Duration::from_millis(20);
 
+/// The number of checks for an interrupt between two displays of the progress.
+const LOOKS: usize = 10;
+
 /// A case: `Case("case.toml", {"flow.order": 4})`. Settings are written over the file, as `--set` of the command does.
 ///
 /// Raises CaseError with the place and the remedy if the case is wrong.
@@ -54,24 +57,28 @@ impl Case {
         &self.case.about().resolved
     }
 
-    /// Runs the case and returns what summary.json says, as a dictionary.
+    /// Runs the case and returns the contents of summary.json as a dictionary.
     ///
     /// `output` is the directory; default that of the case, or runs/<name>.
     ///
-    /// `existing` says what becomes of a run there: "keep" refuses to write, "resume" goes on from its checkpoint, "replace" replaces it.
+    /// `existing` is the treatment of a run there: "keep" refuses to write, "resume" continues from its checkpoint, "replace" replaces it.
     ///
-    /// `on_slab` is called after every slab with a dictionary of numbers. The run stops with a checkpoint if it returns False.
-    #[pyo3(signature = (output=None, existing="keep", on_slab=None))]
+    /// `on_slab` is called after every slab with a `Slab`: its numbers and fields. The run stops with a checkpoint if it returns False.
+    ///
+    /// `progress` shows a line with the time that is left, on a terminal or in a notebook.
+    #[pyo3(signature = (output=None, existing="keep", on_slab=None, progress=false))]
     fn run<'py>(
         &self,
         py: Python<'py>,
         output: Option<PathBuf>,
         existing: &str,
         on_slab: Option<Py<PyAny>>,
+        progress: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
         let destination = self.destination(output, existing)?;
+        let line = progress.then(|| py.import("stsolve._progress")?.call_method0("Progress")).transpose()?;
         let listener = Listener::new(on_slab);
-        let done = self.run_watched(py, &destination, &listener);
+        let done = self.run_watched(py, &destination, &listener, line.as_ref());
         if let Some(error) = listener.error() {
             return Err(error);
         }
@@ -95,12 +102,20 @@ impl Case {
         py: Python<'_>,
         destination: &Destination,
         listener: &Listener,
+        line: Option<&Bound<'_, PyAny>>,
     ) -> Result<output::Summary, Failure> {
         std::thread::scope(|scope| {
             let run = scope.spawn(|| simulation::run(&self.case, destination, listener));
-            while !run.is_finished() {
+            for look in 1.. {
                 py.detach(|| std::thread::sleep(WATCH));
                 listener.follow(py.check_signals().map(|()| true));
+                let is_finished = run.is_finished();
+                if look % LOOKS == 0 || is_finished {
+                    listener.follow(show(line, listener, is_finished));
+                }
+                if is_finished {
+                    break;
+                }
             }
             run.join().unwrap_or_else(|_| Err(Failure::solve(std::io::Error::other("the run ended without a result"))))
         })
@@ -119,6 +134,17 @@ impl Case {
         let of_case = Destination::of(&self.case).directory;
         Ok(Destination { directory: output.unwrap_or(of_case), existing })
     }
+}
+
+/// Shows the progress of the run, if requested; returns that the run continues.
+fn show(line: Option<&Bound<'_, PyAny>>, listener: &Listener, is_finished: bool) -> PyResult<bool> {
+    if let Some((line, progress)) = line.zip(listener.progress()) {
+        line.call_method1("show", progress.numbers())?;
+        if is_finished {
+            line.call_method0("close")?;
+        }
+    }
+    Ok(true)
 }
 
 /// summary.json of a run that was stopped.

@@ -3,13 +3,17 @@
 //! | module | holds |
 //! |---|---|
 //! | `case` | a case, and how it runs |
-//! | `observer` | what Python hears of a run, and how it stops one |
+//! | `observer` | reports of a run to Python, and requests to stop it |
+//! | `slab` | a slab of a run that goes on |
 //! | `result` | a result file |
+//! | `stored` | fields of a result file at points |
 //! | `values` | numbers and texts between Python and Rust |
 
 mod case;
 mod observer;
 mod result;
+mod slab;
+mod stored;
 mod values;
 
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -38,6 +42,7 @@ fn _stsolve(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("CaseError", module.py().get_type::<CaseError>())?;
     module.add("SolveError", module.py().get_type::<SolveError>())?;
     module.add_class::<case::Case>()?;
+    module.add_class::<slab::Slab>()?;
     module.add_class::<result::Result>()?;
     module.add_function(wrap_pyfunction!(execute, module)?)
 }

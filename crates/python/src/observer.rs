@@ -1,10 +1,11 @@
-//! What Python hears of a run, and how it stops one.
+//! Reports of a run to Python, and requests to stop it.
 
+use crate::slab::Slab;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
-use simulation::{Observer, SlabDone};
+use simulation::{Observer, RunState};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 /// A run for Python: slabs go to `on_slab`, messages to the logger `stsolve`.
 #[derive(Default)]
@@ -12,6 +13,31 @@ pub struct Listener {
     on_slab: Option<Py<PyAny>>,
     is_stopped: AtomicBool,
     error: Mutex<Option<PyErr>>,
+    progress: Mutex<Option<Progress>>,
+}
+
+/// How far a run is.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    /// The time at which this call of the run has begun, and its end.
+    interval: [f64; 2],
+    /// Slabs done and the time reached.
+    reached: (usize, f64),
+    /// When the slabs began.
+    begun: Instant,
+}
+
+impl Progress {
+    fn new(start: f64, end: f64) -> Self {
+        Progress { interval: [start, end], reached: (0, start), begun: Instant::now() }
+    }
+
+    /// Number of the last slab; the time reached, and the end; the part that is done; seconds since the slabs began.
+    pub fn numbers(&self) -> (usize, f64, f64, f64, f64) {
+        let ([start, end], (slab, time)) = (self.interval, self.reached);
+        let part = if end > start { ((time - start) / (end - start)).clamp(0.0, 1.0) } else { 1.0 };
+        (slab, time, end, part, self.begun.elapsed().as_secs_f64())
+    }
 }
 
 impl Listener {
@@ -23,6 +49,11 @@ impl Listener {
     /// The exception that stopped the run: that of `on_slab`, or an interrupt.
     pub fn error(&self) -> Option<PyErr> {
         self.error.lock().ok()?.take()
+    }
+
+    /// How far the run is, once it has begun.
+    pub fn progress(&self) -> Option<Progress> {
+        *self.progress.lock().ok()?
     }
 
     /// Asks for a stop if `heard` says so or failed.
@@ -38,33 +69,38 @@ impl Listener {
         }
     }
 
-    /// Tells Python of a slab; returns whether the run goes on.
-    fn tell(&self, py: Python<'_>, fields: &[(&str, f64)]) -> PyResult<bool> {
+    fn change_progress(&self, change: impl FnOnce(&mut Progress)) {
+        if let Ok(mut progress) = self.progress.lock()
+            && let Some(progress) = progress.as_mut()
+        {
+            change(progress);
+        }
+    }
+
+    /// Reports a slab to Python; returns whether the run continues.
+    fn tell(&self, py: Python<'_>, now: &RunState<'_>) -> PyResult<bool> {
         let Some(on_slab) = &self.on_slab else { return Ok(true) };
-        let slab = PyDict::new(py);
-        fields.iter().try_for_each(|(name, value)| slab.set_item(name, value))?;
-        let answer = on_slab.bind(py).call1((slab,))?;
+        let answer = on_slab.bind(py).call1((Slab::new(now),))?;
         Ok(answer.is_none() || answer.is_truthy()?)
     }
 }
 
 impl Observer for Listener {
-    fn slab(&self, slab: &SlabDone) {
-        let SlabDone { number, time, newton, krylov, residual } = *slab;
-        let counts = [("number", number), ("newton", newton), ("krylov", krylov)].map(|(name, n)| (name, n as f64));
-        let fields = [&counts[..], &[("time", time), ("residual", residual)]].concat();
-        Python::attach(|py| self.follow(self.tell(py, &fields)));
+    fn begin(&self, start: f64, end: f64) {
+        if let Ok(mut progress) = self.progress.lock() {
+            *progress = Some(Progress::new(start, end));
+        }
     }
 
-    fn mesh_slab(&self, number: usize, time: f64, quality: &coupled::MeshQuality) {
-        let fields = [("number", number as f64), ("time", time), ("det_j_lower_bound", quality.lower_bound)];
-        Python::attach(|py| self.follow(self.tell(py, &fields)));
+    fn begin_slabs(&self) {
+        self.change_progress(|progress| progress.begun = Instant::now());
     }
 
-    fn structure_slab(&self, report: &coupled::StructureReport) {
-        let energies = [("kinetic_energy", report.kinetic_energy), ("strain_energy", report.strain_energy)];
-        let fields = [&[("number", report.slab as f64), ("time", report.interval.end)][..], &energies].concat();
-        Python::attach(|py| self.follow(self.tell(py, &fields)));
+    fn state(&self, now: &RunState<'_>) {
+        self.change_progress(|progress| progress.reached = (now.state.slab, now.state.time));
+        if self.on_slab.is_some() {
+            Python::attach(|py| self.follow(self.tell(py, now)));
+        }
     }
 
     fn say(&self, message: &str) {

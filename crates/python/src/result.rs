@@ -1,34 +1,34 @@
 //! A result file.
 
-use crate::{CaseError, SolveError, message};
-use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArray2, ToPyArray};
-use output::{ArraySpec, HistoryTable, OutputError, RESULT_FILE, ResultReader, Series};
-use pyo3::exceptions::{PyIndexError, PyKeyError, PyValueError};
+use crate::stored::{
+    Values, at_reference, broken, chosen, coefficients, determinants, evaluated, lengths, spec, unreadable,
+};
+use numpy::{PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, ToPyArray};
+use output::{HistoryTable, RESULT_FILE, ResultReader, Series};
+use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use simulation::{SurfaceColumn, by_node, locate, surface_columns, surface_name, values_at};
+use simulation::{SurfaceColumn, surface_columns, surface_name};
 use std::path::PathBuf;
 
 /// The result of a run: `Result("runs/vortex")`, or the file result.vtkhdf in it.
 ///
-/// It shows what was last published by a run that may still go on.
+/// It shows the last published state of a run, which may still continue. Step -1 is the last one, and the default.
 #[pyclass(frozen)]
 pub struct Result {
     directory: PathBuf,
     reader: ResultReader,
 }
 
-fn unreadable(error: OutputError) -> PyErr {
-    CaseError::new_err(message(&error))
-}
-
-/// The number of one of `count` steps, which may be counted from the end.
-fn chosen(step: isize, count: usize) -> PyResult<usize> {
-    let number = if step < 0 { step + count as isize } else { step };
-    usize::try_from(number)
-        .ok()
-        .filter(|number| *number < count)
-        .ok_or_else(|| PyIndexError::new_err(format!("there is no step {step}: the result has {count}")))
+/// Calls a function for the dimension of the mesh of `$result`, and makes an array of NumPy of the values.
+macro_rules! in_dimension {
+    ($py:expr, $result:expr, $function:ident($($argument:expr),*)) => {{
+        let (values, shape): Values = match $result.dimension() {
+            2 => $function::<2>(&$result.reader, $($argument),*)?,
+            _ => $function::<3>(&$result.reader, $($argument),*)?,
+        };
+        PyArray1::from_vec($py, values).reshape(shape)
+    }};
 }
 
 #[pymethods]
@@ -46,10 +46,42 @@ impl Result {
         self.reader.times.to_pyarray(py).into_any()
     }
 
+    /// The step whose time is nearest to `time`.
+    fn step_at(&self, time: f64) -> PyResult<usize> {
+        let steps = self.reader.times.iter().enumerate();
+        let nearest = steps.min_by(|(_, a), (_, b)| (*a - time).abs().total_cmp(&(*b - time).abs()));
+        nearest.map(|(step, _)| step).ok_or_else(|| PyValueError::new_err("the result has no steps"))
+    }
+
     /// The resolved case, as TOML.
     #[getter]
     fn case_text(&self) -> &str {
         &self.reader.metadata.case_text
+    }
+
+    /// 2 or 3.
+    #[getter]
+    fn dimension(&self) -> usize {
+        self.reader.layout.grid.dimension
+    }
+
+    /// The names of the boundaries.
+    #[getter]
+    fn boundaries(&self) -> Vec<String> {
+        self.reader.metadata.mesh.boundary_names.clone()
+    }
+
+    /// The facets of a boundary, an array [facet][2]: the cell, and the face 2 axis + side of its reference cell, side 0 or 1.
+    fn facets<'py>(&self, py: Python<'py>, boundary: &str) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        let mesh = &self.reader.metadata.mesh;
+        let number = mesh.boundary_names.iter().position(|name| name == boundary).ok_or_else(|| {
+            let known = mesh.boundary_names.join(", ");
+            PyKeyError::new_err(format!("there is no boundary {boundary:?}, but {known}"))
+        })?;
+        let facets = mesh.boundary_facets.iter().filter(|facet| facet[2] == number as i64);
+        let numbers: Vec<i64> = facets.flat_map(|facet| [facet[0], facet[1]]).collect();
+        let count = numbers.len() / 2;
+        PyArray1::from_vec(py, numbers).reshape([count, 2])
     }
 
     /// The arrays of exact coefficients: for each its axes, as pairs of a label and a length.
@@ -63,11 +95,11 @@ impl Result {
         Ok(arrays)
     }
 
-    /// The exact coefficients `name` of a step as a NumPy array; step -1 is the last.
+    /// The exact coefficients `name` of a step as a NumPy array: values at the Gauss-Lobatto nodes of each cell, axis 0 fastest.
     #[pyo3(signature = (name, step=-1))]
     fn array<'py>(&self, py: Python<'py>, name: &str, step: isize) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let shape: Vec<usize> = self.spec(name)?.axes.iter().map(|axis| axis.length).collect();
-        self.values(name, step)?.to_pyarray(py).reshape(shape)
+        let shape = lengths(spec(&self.reader, name)?);
+        PyArray1::from_vec(py, coefficients(&self.reader, name, step)?).reshape(shape)
     }
 
     /// The columns of history.csv as NumPy arrays.
@@ -100,28 +132,41 @@ impl Result {
         Ok(columns)
     }
 
-    /// The conserved state at points, an array [point][axis], as an array [point][component]: density, momentum per axis, total energy per
-    /// volume. NaN outside of the mesh. It is the exact polynomial at the time of the step.
-    #[pyo3(signature = (points, step=-1))]
+    /// The array `name` at points, an array [point][axis], as an array [point][component]. The flow has the components density, momentum per
+    /// axis, total energy per volume. NaN outside of the mesh. It is the exact polynomial at the time of the step.
+    #[pyo3(signature = (points, step=-1, name="flow"))]
     fn evaluate<'py>(
         &self,
         py: Python<'py>,
-        points: PyReadonlyArray2<'py, f64>,
+        points: &Bound<'py, PyAny>,
         step: isize,
+        name: &str,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let points = points.as_array();
-        let (count, dimension) = points.dim();
-        if dimension != self.reader.layout.grid.dimension {
-            let problem =
-                format!("points have {dimension} coordinates, the mesh has {}", self.reader.layout.grid.dimension);
-            return Err(PyValueError::new_err(problem));
-        }
-        let rows: Vec<Vec<f64>> = points.rows().into_iter().map(|row| row.to_vec()).collect();
-        let values = match dimension {
-            2 => self.states::<2>(&rows, step)?,
-            _ => self.states::<3>(&rows, step)?,
-        };
-        values.to_pyarray(py).reshape(vec![count, dimension + 2])
+        in_dimension!(py, self, evaluated(name, step, points))
+    }
+
+    /// The array `name` at points of the reference cell [-1, 1]^D, an array [point][axis], in every cell: an array [cell][point][component].
+    fn values<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        step: isize,
+        points: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        in_dimension!(py, self, at_reference(name, step, points))
+    }
+
+    /// det J at points of the reference cell, in every cell: an array [cell][point]. `name` are the positions, those of a structure beside the
+    /// flow are "structure_position".
+    #[pyo3(signature = (step, points, name="position"))]
+    fn determinants<'py>(
+        &self,
+        py: Python<'py>,
+        step: isize,
+        points: &Bound<'py, PyAny>,
+        name: &str,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        in_dimension!(py, self, determinants(name, step, points))
     }
 
     fn __repr__(&self) -> String {
@@ -130,55 +175,15 @@ impl Result {
 }
 
 impl Result {
-    fn spec(&self, name: &str) -> PyResult<&ArraySpec> {
-        let found = self.reader.layout.exact.iter().find(|array| array.name == name);
-        let names: Vec<&str> = self.reader.layout.exact.iter().map(|array| &array.name[..]).collect();
-        found.ok_or_else(|| PyKeyError::new_err(format!("there is no array {name:?}, but {}", names.join(", "))))
-    }
-
-    /// The number of a step that may be counted from the end.
-    fn number(&self, step: isize) -> PyResult<usize> {
-        chosen(step, self.reader.times.len())
-    }
-
     /// The distributions on a wall.
     fn series_of(&self, wall: &str) -> PyResult<Series> {
-        let failed = |error: OutputError| SolveError::new_err(message(&error));
-        let found = self.reader.series(&surface_name(wall)).map_err(failed)?;
-        let known = self.reader.series_names().map_err(failed)?.join(", ").replace("surface_", "");
+        let found = self.reader.series(&surface_name(wall)).map_err(broken)?;
+        let known = self.reader.series_names().map_err(broken)?.join(", ").replace("surface_", "");
         let there = if known.is_empty() {
             "on no wall; `output.surfaces` asks for them".to_owned()
         } else {
             format!("on {known}")
         };
         found.ok_or_else(|| PyKeyError::new_err(format!("there is no distribution on {wall:?}, but {there}")))
-    }
-
-    fn values(&self, name: &str, step: isize) -> PyResult<Vec<f64>> {
-        let values =
-            self.reader.exact(name, self.number(step)?).map_err(|error| SolveError::new_err(message(&error)))?;
-        Ok(values.unwrap_or_default())
-    }
-
-    /// The state at `points`, one after the other.
-    fn states<const D: usize>(&self, points: &[Vec<f64>], step: isize) -> PyResult<Vec<f64>> {
-        let (position, flow) = (self.spec("position")?, self.spec("flow")?);
-        let lengths = |array: &ArraySpec| -> Vec<usize> { array.axes.iter().map(|axis| axis.length).collect() };
-        let (of_mesh, of_flow) = (lengths(position), lengths(flow));
-        let (&[cells, _, nodes], &[_, times, components, flow_nodes]) = (&of_mesh[..], &of_flow[..]) else {
-            return Err(SolveError::new_err("the arrays of the result have other axes than this version knows"));
-        };
-        let (x, u) = (self.values("position", step)?, self.values("flow", step)?);
-        let order = |nodes: usize| (nodes as f64).powf(1.0 / D as f64).round() as usize;
-        let of_cell = |cell: usize| by_node::<D>(&x[cell * D * nodes..][..D * nodes]);
-        let by_cell: Vec<Vec<f64>> = (0..cells).map(of_cell).collect();
-        let at = |point: &Vec<f64>| -> Vec<f64> {
-            let point: [f64; D] = std::array::from_fn(|d| point[d]);
-            let place = locate(order(nodes), cells, |cell| &by_cell[cell], &point);
-            let Some((cell, xi)) = place else { return vec![f64::NAN; components] };
-            let last = &u[((cell + 1) * times - 1) * components * flow_nodes..][..components * flow_nodes];
-            values_at(order(flow_nodes), last, &xi)
-        };
-        Ok(points.iter().flat_map(at).collect())
     }
 }

@@ -21,7 +21,7 @@
 //! | `error` | failures of a run |
 //! | `summary` | summary.json |
 //! | `checkpoint` | the state of a run as named arrays, and back |
-//! | `openings` | the flow through inflows and outflows, and whether their conditions are made for it |
+//! | `openings` | the flow through inflows and outflows, and whether their conditions are suited to it |
 //! | `probe` | the cost of a run and the validity of its mesh, estimated beforehand |
 //! | `memory_estimate` | the memory of a run, estimated beforehand |
 //! | `resume` | the decision whether a run may continue from a checkpoint |
@@ -32,6 +32,7 @@
 //! | `probes`, `lines`, `slices` | the flow at points, along lines and in planes |
 //! | `cuts` | the files of lines and slices |
 //! | `walls` | loads of walls |
+//! | `stored_field`, `cell_finder` | fields of a result file at points |
 //!
 //! A case in memory, run slab by slab:
 //!
@@ -53,11 +54,85 @@
 //! assert!((march.totals()[0] - 1.0).abs() < 1e-12, "mass is conserved");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! An observer of one's own, which keeps a column of history.csv and the flow, and stops the run:
+//!
+//! ```
+//! use simulation::{Destination, Existing, Failure, Observer, RunState};
+//! use std::sync::{Arc, Mutex};
+//!
+//! /// The mass and the flow at the end of every slab, up to the third.
+//! #[derive(Default)]
+//! struct Keep(Mutex<Vec<(f64, Arc<Vec<f64>>)>>);
+//!
+//! impl Observer for Keep {
+//!     fn state(&self, now: &RunState<'_>) {
+//!         let (Some(mass), Some(past)) = (now.value("mass"), &now.state.past) else { return };
+//!         self.0.lock().expect("no other thread fails").push((mass, past.u.clone()));
+//!     }
+//!     fn is_stop_requested(&self) -> bool {
+//!         self.0.lock().is_ok_and(|kept| kept.len() == 3)
+//!     }
+//! }
+//!
+//! # let text = r#"
+//! #     mesh = { order = 2, generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 2], periodic = ["x", "y"] } }
+//! #     flow = { order = 2, initial.uniform = { velocity = [0.5, 0], pressure = 1 } }
+//! #     time = { order = 1, end = 1, slabs = 10 }
+//! # "#;
+//! # let case = case::AnyCase::check(&case::Document::parse("stream.toml".as_ref(), text.to_owned(), &[])?)?;
+//! # let folder = tempfile::tempdir()?;
+//! # let directory = folder.path().join("run");
+//! let keep = Keep::default();
+//! let stopped = simulation::run(&case, &Destination { directory, existing: Existing::Keep }, &keep);
+//! assert!(matches!(stopped, Err(Failure::Stopped)));
+//! let kept = keep.0.into_inner()?;
+//! assert!(kept.len() == 3 && kept.iter().all(|(mass, _)| (mass - 1.0).abs() < 1e-12));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A motion of the mesh of one's own, in place of that of the case:
+//!
+//! ```
+//! use coupled::{BoundaryField, MeshMotion};
+//! use std::sync::Arc;
+//!
+//! /// The inside of the unit square turns back and forth.
+//! struct Swing;
+//!
+//! impl BoundaryField<2> for Swing {
+//!     fn displacement(&self, _node: usize, [x, y]: &[f64; 2], t: f64) -> [f64; 2] {
+//!         let size = 0.5 * x * (1.0 - x) * y * (1.0 - y) * t.sin();
+//!         [size * (0.5 - y), size * (x - 0.5)]
+//!     }
+//!     fn velocity(&self, node: usize, x: &[f64; 2], t: f64) -> [f64; 2] {
+//!         // The factor sin t becomes cos t = sin(t + pi / 2).
+//!         self.displacement(node, x, t + std::f64::consts::FRAC_PI_2)
+//!     }
+//! }
+//!
+//! # let text = r#"
+//! #     mesh = { order = 4, generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 2] } }
+//! #     flow = { order = 2, initial.uniform = { velocity = [0, 0], pressure = 1 }, boundary.others = "slip_wall" }
+//! #     time = { order = 2, end = 0.2, slabs = 2 }
+//! # "#;
+//! # let case = case::AnyCase::check(&case::Document::parse("box.toml".as_ref(), text.to_owned(), &[])?)?;
+//! # let case::AnyCase::Plane(case) = case else { return Err("not in the plane".into()) };
+//! # let Some(flow) = &case.flow else { return Err("without a flow".into()) };
+//! let mut march = simulation::march_with_motion::<2, 4>(&case, flow, MeshMotion::Prescribed(Arc::new(Swing)))?;
+//! while !march.is_done() {
+//!     march.advance()?;
+//! }
+//! assert!((march.totals()[0] - 1.0).abs() < 1e-12, "mass is conserved on the moving mesh");
+//! assert!(march.state.d.iter().any(|d| d.abs() > 1e-4), "the mesh has moved");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod averages;
 mod bodies;
 mod body_record;
 mod build;
+mod cell_finder;
 mod checkpoint;
 pub mod clock;
 mod context;
@@ -88,6 +163,7 @@ mod resume;
 mod session;
 mod slices;
 mod statistics;
+mod stored_field;
 mod structure_run;
 mod summary;
 mod surfaces;
@@ -96,18 +172,18 @@ mod tests;
 mod time;
 mod walls;
 
-pub use build::{PrescribedNode, elasticity_plan, march, mover, prescribed_nodes, structure_march};
+pub use build::{PrescribedNode, elasticity_plan, march, march_with_motion, mover, prescribed_nodes, structure_march};
+pub use cell_finder::CellFinder;
 pub use controls::check as check_controls;
 pub use crew::serve;
 pub use destination::{Destination, Existing};
 pub use drive::{motion, run, run_on};
 pub use error::Failure;
 pub use memory_estimate::{MemoryEstimate, require_memory, typical_iterations};
-pub use observer::{NextStep, Observer, SlabDone};
-pub use opening_states::by_node;
+pub use observer::{NextStep, Observer, Positions, RunState, SlabDone};
 pub use openings::{Misuse, Record as OpeningRecord, Seen as OpeningSeen, at_start as openings_at_start};
 pub use probe::{MeshOverRun, ProbeError, Timing, move_over_run, time_flow};
-pub use probes::{locate, values_at};
 pub use restart::check as check_restart;
+pub use stored_field::StoredField;
 pub use surfaces::{Column as SurfaceColumn, columns as surface_columns, surface_name};
 pub use time::rounded;

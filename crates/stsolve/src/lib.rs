@@ -2,6 +2,12 @@
 //!
 //! This crate is the only one that prints, exits, handles signals or has a command line; it holds no numerics.
 //!
+//! ```
+//! let command = |words: &str| stsolve::run_command(words.split(' ').map(String::from));
+//! assert_eq!(command("stsolve schema --markdown"), 0);
+//! assert_eq!(command("stsolve check no_such_case.toml"), 2, "bad input has the exit code 2");
+//! ```
+//!
 //! | module | holds |
 //! |---|---|
 //! | `cli` | the command line |

@@ -3,16 +3,16 @@
     import stsolve
 
     case = stsolve.Case("cases/vortex.toml", {"flow.order": 4})
-    summary = case.run(output="runs/vortex", existing="replace", on_slab=lambda slab: print(slab["time"]))
+    summary = case.run(output="runs/vortex", existing="replace", on_slab=lambda slab: print(slab.time, slab["mass"]))
     result = stsolve.Result("runs/vortex")
     state = result.evaluate(points)          # points: an array [point][axis]
 """
 
 import sys
 
-from ._stsolve import Case, CaseError, Result, SolveError, __version__, execute
+from ._stsolve import Case, CaseError, Result, Slab, SolveError, __version__, execute
 
-__all__ = ["Case", "CaseError", "Result", "SolveError", "__version__", "main"]
+__all__ = ["Case", "CaseError", "Result", "Slab", "SolveError", "__version__", "main"]
 
 
 def main():
