@@ -1,4 +1,4 @@
-//! What the bodies of a run have done so far: amplitudes, frequencies, energy.
+//! Amplitudes, frequencies and energies of the bodies of a run so far.
 
 use coupled::block::BodyState;
 
@@ -74,7 +74,7 @@ pub struct BodyRecord {
 impl BodyRecord {
     /// A body at the start of a run, at the time `t`.
     pub fn start(state: &BodyState, t: f64) -> Self {
-        let energy_at_start = state.kinetic_energy + state.potential_energy;
+        let energy_at_start = state.energy();
         let mut record =
             BodyRecord { energy_at_start, coordinates: vec![Oscillation::default(); state.position.len()] };
         record.add(state, t);
@@ -88,10 +88,10 @@ impl BodyRecord {
         }
     }
 
-    /// The energy that the body has more than its ledger says, without the work of the flow.
+    /// The energy of the body in excess of its ledger, without the work of the flow.
     pub fn gained(&self, state: &BodyState) -> f64 {
         let ledger = &state.ledger;
-        let energy = state.kinetic_energy + state.potential_energy - self.energy_at_start;
+        let energy = state.energy() - self.energy_at_start;
         energy - ledger.force - ledger.drive + ledger.damped + ledger.numerical
     }
 
