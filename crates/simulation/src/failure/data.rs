@@ -182,6 +182,10 @@ pub struct Gas {
     pub cell_reynolds: Option<f64>,
     /// Quadrature points per direction, and the number that conserves on any moving mesh.
     pub quadrature: [usize; 2],
+    /// The largest Mach number in the last good state.
+    pub mach: f64,
+    /// Whether artificial viscosity captures shocks.
+    pub captures_shocks: bool,
     /// Whether the inviscid volume terms are in split form.
     pub is_split: bool,
     /// The speed with which a boundary is set in motion at the start, over the speed of sound.

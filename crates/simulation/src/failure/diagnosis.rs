@@ -27,8 +27,11 @@ pub struct Cause {
     pub remedy: String,
 }
 
-/// The number of causes that are named.
+/// The largest number of causes that are named.
 const NAMED: usize = 3;
+
+/// A cause that is less likely is not named.
+const UNLIKELY: f64 = 0.02;
 
 type Rule = fn(&FailureData) -> Option<Cause>;
 
@@ -48,11 +51,12 @@ const OF_MESH: [Rule; 10] = [
 const OF_STRUCTURE: [Rule; 3] =
     [structure_rules::long_slab, structure_rules::slender_cells, structure_rules::nearly_incompressible];
 
-const OF_FLOW: [Rule; 15] = [
+const OF_FLOW: [Rule; 16] = [
     gas_rules::opening,
     gas_rules::near_vacuum,
     gas_rules::boundary_condition,
     gas_rules::kick,
+    gas_rules::shock,
     gas_rules::steep_start,
     gas_rules::not_resolved,
     gas_rules::quadrature,
@@ -75,7 +79,7 @@ pub fn causes(data: &FailureData) -> Vec<Cause> {
         GaveUp::Inadmissible | GaveUp::Newton | GaveUp::LinearSolver => &OF_FLOW,
         GaveUp::Other => &[],
     };
-    let mut causes: Vec<Cause> = rules.iter().filter_map(|rule| rule(data)).collect();
+    let mut causes: Vec<Cause> = rules.iter().filter_map(|rule| rule(data)).filter(|cause| cause.likelihood >= UNLIKELY).collect();
     // The sort is stable: of equal likelihoods the first rule comes first.
     causes.sort_by(|a, b| b.likelihood.total_cmp(&a.likelihood));
     causes.truncate(NAMED);

@@ -51,6 +51,8 @@ pub struct CellGas {
     steepness: [Extreme; 3],
     /// The largest |w| + c.
     pub fastest: f64,
+    /// The largest |w| / c.
+    pub mach: f64,
     /// The largest rho |w| / mu: a Reynolds number per length.
     pub reynolds: f64,
 }
@@ -91,6 +93,10 @@ fn of_cell<const D: usize>(gas: &Gas, cell: usize, states: &[Primitive<f64, D>])
         means: [mean(0), mean(1)],
         steepness: steepness(gas, cell, states),
         fastest: most(&|state| norm(&state.velocity) + sound_speed(gas, state)),
+        mach: most(&|state| {
+            let mach = norm(&state.velocity) / sound_speed(gas, state);
+            if mach.is_finite() { mach } else { 0.0 }
+        }),
         reynolds: most(&|state| state.density * norm(&state.velocity) / viscosity(state)),
     }
 }

@@ -182,6 +182,8 @@ where
             waves_per_slab: most(&|gas, distance| gas.fastest * dt / distance),
             cell_reynolds: viscous.then(|| most(&|gas, distance| gas.reynolds * distance)),
             quadrature: [points, needed],
+            mach: most(&|gas, _| gas.mach),
+            captures_shocks: law.shock_capturing.is_some(),
             is_split: law.volume_flux != navier_stokes::VolumeFlux::Central,
             openings: self.openings.iter().map(|record| self.opening(record)).collect(),
             kick: if self.case.motion.is_some() { gases.start.kick } else { 0.0 },

@@ -1,6 +1,6 @@
 //! Causes in the gas: its initial state, its boundaries, its resolution.
 
-use super::super::data::{Extreme, FailureData, Mismatch, OpeningMisuse};
+use super::super::data::{Extreme, FailureData, Gas, Mismatch, OpeningMisuse};
 use super::{Cause, number, rises};
 use crate::openings::Misuse;
 
@@ -53,6 +53,8 @@ pub fn boundary_condition(data: &FailureData) -> Option<Cause> {
     let (start, last) = (weighed(&gas.at_start.mismatch, weight), weighed(&gas.last.mismatch, 0.5));
     let (likelihood, mismatch) = [start, last].into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
     let Mismatch { boundary, quantity, inside, target_state, .. } = mismatch;
+    // The steady flow is no way out where just that was not found.
+    let steady = if data.attempt.steady { "" } else { ", or start from the steady flow (`solver.steady`)" };
     Some(Cause {
         name: "boundary_condition",
         likelihood: 0.05 + likelihood,
@@ -64,7 +66,7 @@ pub fn boundary_condition(data: &FailureData) -> Option<Cause> {
         ),
         remedy: format!(
             "compare `flow.boundary.{boundary}` with the initial state: signs, Mach number, units; let what differs grow in \
-             time from the initial value, or start from the steady flow (`solver.steady`)"
+             time from the initial value{steady}"
         ),
     })
 }
@@ -84,15 +86,42 @@ pub fn kick(data: &FailureData) -> Option<Cause> {
     })
 }
 
+/// A body in a stream faster than this makes the flow faster than sound beside it.
+const TRANSONIC: f64 = 0.7;
+
+/// The flow is faster than sound somewhere, or becomes so beside a body, and nothing captures the shocks behind.
+pub fn shock(data: &FailureData) -> Option<Cause> {
+    let gas = data.gas.as_ref().filter(|gas| !gas.captures_shocks)?;
+    let mach = number(gas.mach);
+    let (likelihood, what) = match gas.mach {
+        local if local > 1.0 => {
+            (0.85, format!("the flow reaches Mach {mach}, and nothing captures the shocks that such a flow has"))
+        }
+        // The last good state of a failed search is that at the start.
+        start if data.attempt.steady && start > TRANSONIC => {
+            let what = format!(
+                "at Mach {mach} the flow beside a body becomes faster than sound, and nothing captures the shock behind"
+            );
+            (0.65, what)
+        }
+        _ => return None,
+    };
+    let remedy = "capture shocks: add the empty section `[flow.shock_capturing]`; take smaller cells where the shock stands".into();
+    Some(Cause { name: "shock", likelihood, what, remedy })
+}
+
 /// The initial state jumps within cells.
 pub fn steep_start(data: &FailureData) -> Option<Cause> {
-    let Extreme { quantity, value, cell } = data.gas.as_ref()?.at_start.steepest;
+    let gas = data.gas.as_ref()?;
+    let Extreme { quantity, value, cell } = gas.at_start.steepest;
     Some(Cause {
         name: "steep_initial_state",
         likelihood: 0.9 * rises(value, 1.5),
         what: format!("the initial state jumps: the {quantity} changes {} within cell {cell}", change(quantity, value)),
-        remedy: "smooth the initial state over several cells, for instance with tanh((x - x0)/width); a shock needs `flow.shock_capturing`"
-            .into(),
+        remedy: format!(
+            "smooth the initial state over several cells, for instance with tanh((x - x0)/width){}",
+            capture(gas)
+        ),
     })
 }
 
@@ -120,9 +149,18 @@ pub fn not_resolved(data: &FailureData) -> Option<Cause> {
         likelihood: 0.15 + 0.5 * rises(value, 1.0),
         what: format!("the flow is {what}; {viscosity}"),
         remedy: format!(
-            "take more or smaller cells there, or add viscosity{more}; at walls `flow.wall_flux = \"mirrored\"` is more robust; a shock needs `flow.shock_capturing`"
+            "take more or smaller cells there, or add viscosity{more}; at walls `flow.wall_flux = \"mirrored\"` is more robust{}",
+            capture(gas)
         ),
     })
+}
+
+/// The setting for a shock, for the end of a remedy.
+fn capture(gas: &Gas) -> &'static str {
+    match gas.captures_shocks {
+        true => "; a shock may need a larger `flow.shock_capturing.strength`",
+        false => "; a shock needs `flow.shock_capturing`",
+    }
 }
 
 fn change(quantity: &str, value: f64) -> String {

@@ -142,10 +142,14 @@ pub fn nearly_incompressible(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// The mesh was barely valid when the flow failed.
+/// Cells that keep more than this part of their volume are no cause.
+const SOUND: f64 = 0.3;
+
+/// The mesh was barely valid when the flow failed. During the search for a steady flow it does not move.
 pub fn nearly_inverted(data: &FailureData) -> Option<Cause> {
     let smallest = data.mesh.smallest_det_j;
-    (data.mesh.motion != Motion::Still).then(|| Cause {
+    let moves = data.mesh.motion != Motion::Still && !data.attempt.steady;
+    (moves && smallest <= SOUND).then(|| Cause {
         name: "nearly_inverted",
         likelihood: 0.9 * (1.0 - rises(smallest.max(0.0), 0.05)),
         what: format!("cells are nearly inverted: det J / det J_0 is down to {}", number(smallest)),

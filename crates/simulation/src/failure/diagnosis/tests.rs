@@ -32,6 +32,8 @@ fn nothing_suspicious() -> FailureData {
             waves_per_slab: 5.0,
             cell_reynolds: None,
             quadrature: [6, 6],
+            mach: 0.5,
+            captures_shocks: false,
             is_split: false,
             kick: 0.0,
             openings: Vec::new(),
@@ -46,8 +48,8 @@ fn first(change: impl FnOnce(&mut FailureData)) -> &'static str {
     let mut data = nothing_suspicious();
     change(&mut data);
     let causes = causes(&data);
-    assert_eq!(causes.len(), NAMED, "{causes:?}");
-    assert!(causes.iter().all(|cause| (0.0..=1.0).contains(&cause.likelihood)), "{causes:?}");
+    assert!((1..=NAMED).contains(&causes.len()), "{causes:?}");
+    assert!(causes.iter().all(|cause| (UNLIKELY..=1.0).contains(&cause.likelihood)), "{causes:?}");
     causes[0].name
 }
 
@@ -245,4 +247,36 @@ fn a_flow_that_does_not_settle_is_called_unsteady() {
     assert_eq!(with(settling(0.6, false)), "unsteady_flow");
     assert_ne!(first(|e| e.attempt.steady = true), "unsteady_flow");
     assert_ne!(with(settling(0.01, true)), "unsteady_flow");
+}
+
+/// A transonic steady start once named a boundary condition, and advised the steady start that had just failed.
+#[test]
+fn a_transonic_flow_without_shock_capturing_is_told_to_capture_shocks() {
+    let mismatch =
+        Mismatch { boundary: "wall".into(), quantity: "velocity along x", inside: 0.8, target_state: 0.0, size: 0.8 };
+    let transonic = |steady, mach, captures_shocks| {
+        let mut data = nothing_suspicious();
+        data.attempt.steady = steady;
+        data.mesh.motion = Motion::Elastic;
+        data.mesh.smallest_det_j = 1.0;
+        *gas(&mut data) = Gas { mach, captures_shocks, ..gas(&mut data).clone() };
+        gas(&mut data).at_start.mismatch = Some(mismatch.clone());
+        causes(&data)
+    };
+    assert_eq!(transonic(true, 0.8, false)[0].name, "shock");
+    assert_eq!(transonic(false, 1.3, false)[0].name, "shock");
+    for (steady, mach, captures) in [(true, 0.8, true), (true, 0.3, false), (false, 0.8, false), (false, 1.3, true)] {
+        let causes = transonic(steady, mach, captures);
+        assert!(causes.iter().all(|cause| cause.name != "shock"), "{causes:?}");
+        let tells = |part: &str| causes.iter().any(|cause| cause.remedy.contains(part));
+        assert_eq!(tells("`solver.steady`"), !steady, "{causes:?}");
+        assert_eq!(tells("needs `flow.shock_capturing`"), !captures, "{causes:?}");
+        assert!(causes.iter().all(|cause| !cause.what.contains("down to 1")), "{causes:?}");
+    }
+}
+
+#[test]
+fn what_is_unlikely_is_not_named() {
+    let names: Vec<_> = causes(&nothing_suspicious()).iter().map(|cause| cause.name).collect();
+    assert_eq!(names, ["not_resolved", "time_step"]);
 }
