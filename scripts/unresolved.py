@@ -15,7 +15,8 @@ import shutil
 import subprocess
 import sys
 
-from steady_starts import PROGRAM, ROOT
+from starts import CASE
+from steady_starts import PROGRAM, ROOT, channel
 
 TAYLOR_GREEN = ROOT / "cases/taylor_green_3d.toml"
 BLADE = ROOT / "cases/turbine_blade.toml"
@@ -31,6 +32,10 @@ def blade(order):
     return BLADE, [f"flow.order={order}", "flow.gas.viscosity.constant=2e-5", "time.end=6", "output.every=1000", NOTHING]
 
 
+# Gas that fills a channel suddenly, at Re = 20,000 by its height. The case is written beside its results.
+CHANNEL = CASE.format(title="channel", order=4, step=0.05, more="", **channel(2e4, 0.3))
+
+
 FLOWS = {
     "Taylor-Green Re = 1600, 4^3 cells, N = 6": taylor_green(4, 6),
     "Taylor-Green Re = 1600, 2^3 cells, N = 8": taylor_green(2, 8),
@@ -38,6 +43,7 @@ FLOWS = {
     "Kelvin-Helmholtz, 16^2 cells, N = 4": (ROOT / "cases/kelvin_helmholtz.toml", ["output.every=1000", NOTHING]),
     "blade Re = 50,000, N = 3": blade(3),
     "blade Re = 50,000, N = 5": blade(5),
+    "channel Re = 20,000, N = 4": (CHANNEL, ["time.end=8", "output.every=1000"]),
 }
 
 # The keys that every treatment sets: quadrature and volume flux, so that those of a case do not matter.
@@ -65,6 +71,9 @@ def run(flow, treatment, arguments):
     place = arguments.directory / "".join(c if c.isalnum() else "_" for c in f"{flow} {treatment}")
     shutil.rmtree(place, ignore_errors=True)
     place.parent.mkdir(parents=True, exist_ok=True)
+    if isinstance(case, str):
+        text, case = case, place.with_suffix(".toml")
+        case.write_text(text)
     changes = [part for change in [*changes, *TREATMENTS[treatment]] for part in ("--set", change)]
     command = [PROGRAM, "run", case, "--output", place, "--threads", str(arguments.threads), "-q", *changes]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
