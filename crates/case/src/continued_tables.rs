@@ -42,12 +42,12 @@ fn texts_hold(value: &toml::Value, holds: &impl Fn(&str) -> bool) -> bool {
 /// Whether the splines of both tables have the same values up to `reached`.
 fn agree(one: &raw::Table, other: &raw::Table, reached: f64) -> bool {
     let (Some(one), Some(other)) = (spline(one), spline(other)) else { return false };
-    let size = one.points().1.iter().fold(0.0, |size: f64, y| size.max(y.abs()));
+    let places = places(&one, &other, reached);
+    let size = places.iter().map(|t| one.evaluate(*t).abs()).fold(0.0, f64::max);
     let is_same = |t: f64| {
         let (a, b) = (one.evaluate(t), other.evaluate(t));
         (a - b).abs() <= ROUND_OFF * size || (a.is_nan() && b.is_nan())
     };
-    let places = places(&one, &other, reached);
     places.windows(2).all(|piece| {
         let at = |k: usize| piece[0] + (piece[1] - piece[0]) * k as f64 / (PLACES - 1) as f64;
         (0..PLACES).all(|k| is_same(at(k)))

@@ -40,9 +40,12 @@ pub enum Command {
     Info {
         /// The file.
         file: PathBuf,
-        /// Print JSON.
+        /// Print JSON: all of it.
         #[arg(long)]
         json: bool,
+        /// Print also the checksums of a result and the contents of its checkpoint.
+        #[arg(short, long)]
+        verbose: bool,
     },
     /// Write one HTML page of a run, finished or not: pictures, curves, figures. It needs no network. Of several runs: their curves over each
     /// other, in comparison.html of the first.
@@ -170,6 +173,9 @@ pub struct RunArguments {
     /// Replace the run that the output directory holds.
     #[arg(long, conflicts_with = "resume")]
     pub force: bool,
+    /// Of several processes, also write the logs of the others: `log_1.jsonl`, `log_2.jsonl`, ... beside `log.jsonl`.
+    #[arg(long)]
+    pub log_ranks: bool,
     /// How much to print.
     #[command(flatten)]
     pub verbosity: Verbosity,

@@ -33,7 +33,7 @@ use case::AnyCase;
 use cli::{Arguments, Command};
 use simulation::Failure;
 
-/// Executes the command line `arguments`, the name of the program first; prints what is wrong and returns the exit code.
+/// Executes the command line `arguments`, the name of the program first; prints errors and returns the exit code.
 pub fn run_command(arguments: impl IntoIterator<Item = String>) -> i32 {
     let arguments = match <Arguments as clap::Parser>::try_parse_from(arguments) {
         Ok(arguments) => arguments,
@@ -63,7 +63,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     match &arguments.command {
         Command::Check { case, json, probe } => commands::check(&AnyCase::read(&case.case, &case.set)?, *json, *probe),
-        Command::Info { file, json } => commands::info(file, *json),
+        Command::Info { file, json, verbose } => commands::info(file, *json, *verbose),
         Command::Compare { first, second, json } => commands::compare(first, second, *json),
         Command::Report { directories, drawing, q_level } => match drawing.scenario(*q_level) {
             Some((scenario, last_step)) => commands::movies(directories, &scenario, last_step),

@@ -225,6 +225,7 @@ fn files_that_are_not_there_or_not_ours_are_refused() {
     assert!(stderr.contains("nowhere.toml") && stderr.contains("No such file"), "{stderr}");
     std::fs::write(directory.path().join("text.vtkhdf"), "no HDF5").unwrap();
     let (code, _, stderr) = outcome(directory.path(), &["info", "text.vtkhdf"]);
+    assert!(!stderr.contains("resum"), "{stderr}");
     assert_eq!(code, 2);
     assert!(stderr.contains("text.vtkhdf"), "{stderr}");
     std::fs::write(directory.path().join("case.toml"), "[mesh]").unwrap();
@@ -355,4 +356,97 @@ fn what_is_too_large_aborted_without_naming_the_memory() {
     );
     assert!(message.contains("the run does not fit into memory") && message.contains("`flow.order`"), "{message}");
     assert!(is_empty(&directory));
+}
+
+/// Two triangles of a height; the second order of the corners of the square.
+fn triangles(height: f64) -> String {
+    format!(
+        "NDIME= 2\nNELEM= 2\n5 0 1 2 0\n5 0 2 3 1\nNPOIN= 4\n0 0 0\n1 0 1\n1 {height} 2\n0 {height} 3\nNMARK= 1\nMARKER_TAG= wall\n\
+         MARKER_ELEMS= 4\n3 0 1\n3 1 2\n3 2 3\n3 3 0\n"
+    )
+}
+
+/// A file of triangles is described with the remedy; poor cells that come of them cause a warning.
+#[test]
+fn triangles_are_described_and_judged() {
+    let directory = TempDir::new().unwrap();
+    let case = "mesh = { file = \"mesh.su2\", split_simplices = true }\nmotion.displacement = [0, 0]\ntime = { order = 1, end = 1, slabs = 1 }\n";
+    std::fs::write(directory.path().join("case.toml"), case).unwrap();
+    for (height, is_poor) in [(1.0, false), (0.01, true)] {
+        std::fs::write(directory.path().join("mesh.su2"), triangles(height)).unwrap();
+        let (code, stdout, stderr) = outcome(directory.path(), &["info", "mesh.su2"]);
+        assert_eq!(code, 0, "{stderr}");
+        for part in ["2 triangles", "mesh.split_simplices = true", "smallest scaled Jacobian", "cells  "] {
+            assert!(stdout.contains(part), "no {part} in {stdout}");
+        }
+        let (_, stdout, _) = outcome(directory.path(), &["info", "mesh.su2", "--json"]);
+        let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+        assert_eq!(json["mesh.su2"]["cells"], 6);
+        assert!(json["problem"].as_str().unwrap().contains("triangles"));
+        let (_, stdout, stderr) = outcome(directory.path(), &["check", "case.toml", "--json", "--probe", "never"]);
+        let json: serde_json::Value = serde_json::from_str(&stdout).unwrap_or_else(|_| panic!("{stderr}"));
+        let warning = json["warnings"]["cells"].as_str().unwrap_or_default();
+        assert_eq!(warning.contains("scaled Jacobian of cell"), is_poor, "{json}");
+    }
+}
+
+/// The warnings of a case, and its table of outputs.
+fn checked(case: &str, settings: &[&str]) -> (serde_json::Value, serde_json::Value) {
+    let case = shipped(&format!("{case}.toml"));
+    let set = settings.iter().flat_map(|setting| ["--set", setting]);
+    let arguments: Vec<&str> = ["check", "--json", "--probe", "never", &case].into_iter().chain(set).collect();
+    let (code, stdout, stderr) = outcome(Path::new("."), &arguments);
+    assert_eq!(code, 0, "{settings:?}: {stderr}");
+    let mut json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    (json["warnings"].take(), json["output"].take())
+}
+
+#[test]
+fn check_lists_what_is_observed_and_warns_where_there_is_nothing_to_see() {
+    let inside = [
+        "output.lines.a={from=[0.1,0.1],to=[0.9,0.8]}",
+        "output.probes.b={at=[0.5,0.4]}",
+        "output.formulas.c=\"2*pressure\"",
+    ];
+    let (warnings, output) = checked("free_stream", &inside);
+    assert_eq!(warnings["none"], "", "{warnings}");
+    for (key, name) in [("lines", "a"), ("points", "b"), ("fields by formulas", "c")] {
+        assert_eq!(output[key][0], name, "{output}");
+    }
+    let (warnings, _) = checked("free_stream", &["output.lines.away={from=[7,7],to=[8,9]}"]);
+    assert!(warnings["lines"].as_str().unwrap().contains("no point of `away`"), "{warnings}");
+    let slice = |z: f64| format!("output.slices.a={{point=[0.5,0.5,{z}],normal=[0,0,1]}}");
+    let (warnings, output) = checked("free_stream_3d", &[&slice(0.5)]);
+    assert!(warnings["slices"].is_null() && output["slices"][0] == "a", "{warnings}");
+    let (warnings, _) = checked("free_stream_3d", &[&slice(3.0)]);
+    assert!(warnings["slices"].as_str().unwrap().contains("does not cut the mesh"), "{warnings}");
+}
+
+#[test]
+fn check_warns_of_phases_that_the_run_does_not_meet() {
+    let averages = |period: f64| format!("output.averages={{from=0,period={period},phases=4,fields=[\"velocity\"]}}");
+    let end = ["time.end=1", "time.slabs=4"];
+    let (warnings, _) = checked("free_stream", &[end[0], end[1], &averages(1.0)]);
+    assert!(warnings["averages"].is_null(), "{warnings}");
+    let (warnings, _) = checked("free_stream", &[end[0], end[1], &averages(1.5)]);
+    assert!(warnings["averages"].as_str().unwrap().contains("less than their period"), "{warnings}");
+}
+
+/// Flows that the mesh does not resolve are told what keeps them stable, unless it is in use.
+#[test]
+fn check_advises_robust_quadrature_where_a_flow_is_not_resolved() {
+    let advice = "`flow.quadrature = \"three_halves\"`";
+    let tells = |case: &str, settings: &[&str], subject: &str| {
+        let (warnings, _) = checked(case, settings);
+        warnings[subject].as_str().is_some_and(|text| text.contains(advice))
+    };
+    assert!(tells("naca0012_heave", &["mesh.generate.airfoil={first_cell=0.2}"], "first cell"));
+    assert!(tells("naca0012_heave", &["flow.gas.viscosity.constant=1e-7"], "turbulence"));
+    assert!(!tells(
+        "naca0012_heave",
+        &["flow.gas.viscosity.constant=1e-7", "flow.quadrature=\"double\""],
+        "turbulence"
+    ));
+    assert!(tells("taylor_green_3d", &["flow.quadrature=\"conserving\""], "resolution"));
+    assert!(!tells("taylor_green_3d", &[], "resolution"));
 }

@@ -35,5 +35,25 @@ fn two_runs_differ_where_their_cases_do() {
 #[test]
 fn a_directory_without_a_run_is_refused() {
     let directory = TempDir::new().unwrap();
-    stsolve(directory.path(), &["compare", ".", "."]).expect(2, &["result.vtkhdf"]);
+    let outcome = stsolve(directory.path(), &["compare", ".", "."]);
+    outcome.expect(2, &["result.vtkhdf", "name the directory of such a run"]);
+    assert!(!outcome.stderr.contains("resum"), "{}", outcome.stderr);
+}
+
+/// What only one run has is told, not dropped.
+#[test]
+fn figures_and_columns_of_one_run_alone_are_told() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let probe = "output.probes={middle={at=[5,4]}}";
+    on_case(at, "run", "vortex", &SHORT, "without", &[]).expect(0, &[]);
+    on_case(at, "run", "vortex", &[&SHORT[..], &[probe]].concat(), "with", &[]).expect(0, &[]);
+    let told = "history.csv: middle_density";
+    let compared: Value = serde_json::from_str(&stsolve(at, &["compare", "without", "with", "--json"]).stdout).unwrap();
+    assert_eq!(compared["alone"][told], "with", "{compared}");
+    stsolve(at, &["compare", "with", "without"]).expect(0, &[]);
+    assert!(stsolve(at, &["compare", "with", "without"]).stdout.contains(told));
+    std::fs::remove_file(at.join("without/summary.json")).unwrap();
+    let compared: Value = serde_json::from_str(&stsolve(at, &["compare", "without", "with", "--json"]).stdout).unwrap();
+    assert_eq!(compared["alone"]["summary.json"], "with", "{compared}");
 }

@@ -229,7 +229,7 @@ fn vortex_density([x, y]: [f64; 2], t: f64) -> f64 {
     (1.0 - factor).powf(1.0 / (gamma - 1.0))
 }
 
-/// Values of a line are those of the coefficients in the result, evaluated here by products of Lagrange polynomials.
+/// Values of a line and of points are those of the coefficients in the result, evaluated here by products of Lagrange polynomials.
 #[test]
 fn values_are_those_of_the_coefficients() {
     let directory = TempDir::new().unwrap();
@@ -252,7 +252,13 @@ fn values_are_those_of_the_coefficients() {
     let ends = [(53, [0.3, -0.7]), (100, [-0.21, 0.123])];
     let [from, to] = ends.map(|(cell, xi)| place(cell, xi));
     let line = format!("output.lines.a={{from=[{:?},{:?}],to=[{:?},{:?}],points=2}}", from[0], from[1], to[0], to[1]);
-    finished(directory.path(), "vortex_sinusoidal", &[set[0], set[1], &line]);
+    let probe = |x: [f64; 2]| format!("{{at=[{:?},{:?}]}}", x[0], x[1]);
+    let probes = format!("output.probes={{first={},second={}}}", probe(from), probe(to));
+    finished(directory.path(), "vortex_sinusoidal", &[set[0], set[1], &line, &probes]);
+    for (name, (cell, xi)) in ["first", "second"].into_iter().zip(ends) {
+        let values = column(&directory.path().join("vortex_sinusoidal"), &format!("{name}_density"));
+        assert!((values[3] - density(cell, xi)).abs() < 1e-12, "{name}: {values:?}");
+    }
     let line = Table::read(&directory.path().join("vortex_sinusoidal/line_a.csv"));
     let last = &line.column("density")[8..];
     assert!(largest(last, |i| density(ends[i].0, ends[i].1)) < 1e-12, "{last:?}");

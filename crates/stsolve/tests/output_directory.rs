@@ -42,9 +42,12 @@ fn a_finished_run_was_replaced_without_a_word() {
     let directory = finished();
     let run = directory.path().join("run");
     for command in ["run", "motion"] {
-        let resumed = format!("go on to a later `time.end`: stsolve {command}");
-        let parts = [&REMEDIES[..], &["`run` holds a finished run, t = 0.2;", &resumed]].concat();
+        let parts = [&REMEDIES[..], &["`run` holds a finished run, t = 0.2;"]].concat();
         assert_refused(&run, || call(&directory, command, &[], "run", &[]), &parts);
+        // The mesh alone does not go on where the flow stands.
+        let advised = call(&directory, command, &[], "run", &[]).stderr;
+        assert_eq!(advised.contains("go on to a later `time.end`: stsolve run"), command == "run", "{advised}");
+        assert_eq!(advised.contains("--resume"), command == "run", "{advised}");
     }
     let both = || call(&directory, "run", &[], "run", &["--force", "--resume"]);
     assert_refused(&run, both, &["cannot be used with"]);
@@ -71,8 +74,16 @@ fn an_unfinished_run_was_replaced_without_a_word() {
 fn a_run_of_the_mesh_alone_is_not_replaced_either() {
     let directory = TempDir::new().unwrap();
     call(&directory, "motion", &[], "run", &[]).expect(0, &[]);
+    let run = directory.path().join("run");
     let again = || call(&directory, "run", &[], "run", &[]);
-    assert_refused(&directory.path().join("run"), again, &["holds a finished run of the mesh alone, t = 0.2;"]);
+    assert_refused(&run, again, &["holds a finished run of the mesh alone, t = 0.2;"]);
+    // Killed runs have no summary.
+    fs::remove_file(run.join("summary.json")).unwrap();
+    assert_refused(&run, again, &["holds an unfinished run of the mesh alone, t = 0.2;"]);
+    for (command, resumes) in [("run", false), ("motion", true)] {
+        let advised = call(&directory, command, &[], "run", &[]).stderr;
+        assert_eq!(advised.contains("--resume"), resumes, "{command}: {advised}");
+    }
 }
 
 #[test]

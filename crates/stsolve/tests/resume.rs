@@ -146,3 +146,34 @@ fn a_finished_run_that_is_resumed_has_the_same_errors() {
     MOVED.iter().for_each(|change| arguments.extend(["--set", change]));
     stsolve(at, &arguments).expect(0, &["the checkpoint is at t = 2, after the end 1: nothing is left to do"]);
 }
+
+/// A case that is moved by a table of t^3 (1 - t) up to a time `end`, 0.05 apart.
+fn moved_by_table(end: f64) -> [String; 2] {
+    let t: Vec<f64> = (0..=(end / 0.05).round() as i32).map(|k| 0.05 * f64::from(k)).collect();
+    let values: Vec<f64> = t.iter().map(|t| t.powi(3) * (1.0 - t)).collect();
+    let table = format!("tables.way={{t={t:?},values={values:?}}}");
+    [table, "motion.displacement=[\"0.1*way(t)*sin(pi*x)*sin(pi*y)\",0]".to_owned()]
+}
+
+/// A longer table does not change the motion so far; where it does, another way is told.
+#[test]
+fn a_run_goes_on_with_a_longer_table() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let go = |table: f64, end: &str, output: &str, extra: &[&str]| {
+        let [table, motion] = moved_by_table(table);
+        let time = format!("time={{order=2,step=0.1,{end}}}");
+        let set = ["mesh.generate.box.cells=[2,2]", &time, &table, &motion];
+        on_case(at, "run", "couette", &set, output, extra)
+    };
+    go(3.0, "end=0.4", "run", &[]).expect(0, &[]);
+    go(4.0, "end=0.6", "run", &["--resume"]).expect(0, &[]);
+    // Once more with another table, and without any change.
+    go(5.0, "end=0.8", "run", &["--resume"]).expect(0, &[]);
+    go(5.0, "end=0.9", "run", &["--resume"]).expect(0, &[]);
+    assert_eq!(column(&at.join("run"), "t").len(), 9);
+    let refused = go(0.9, "end=0.9", "run", &["--resume"]);
+    refused.expect(2, &["`tables.way.t` was", "`restart.from`"]);
+    go(1.0, "end=1", "short", &[]).expect(0, &[]);
+    go(2.0, "end=1.2", "short", &["--resume"]).expect(2, &["`tables.way.t` was", "`restart.from`"]);
+}

@@ -81,6 +81,8 @@ pub struct Case<const D: usize> {
     pub about: About,
     /// The mesh at rest: without the part of a structure beside a flow.
     pub mesh: mesh_crate::Mesh<D>,
+    /// Whether triangles, tetrahedra and prisms of the file of the mesh were split.
+    pub splits_simplices: bool,
     /// The motion of the mesh; None: it rests.
     pub motion: Option<Motion<D>>,
     /// The flow; None: only the mesh moves.
@@ -207,6 +209,7 @@ impl<const D: usize> Case<D> {
         Ok(Case {
             about: About::new(checker, document, raw),
             mesh,
+            splits_simplices: raw.mesh.split_simplices == Some(true),
             motion,
             flow,
             bodies,

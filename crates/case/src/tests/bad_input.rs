@@ -625,7 +625,10 @@ fn a_number_alone_is_shown_where_it_belongs() {
 /// `others` is checked for each boundary that it stands for, and its error is reported once.
 #[test]
 fn an_error_of_all_other_boundaries_is_told_once() {
-    let text = BASE.replace("others = { far_field = { velocity = [0.5, 0], pressure = 1 } }", "others = { outflow = { pressure = -1 } }");
+    let text = BASE.replace(
+        "others = { far_field = { velocity = [0.5, 0], pressure = 1 } }",
+        "others = { outflow = { pressure = -1 } }",
+    );
     let error = check_text(&text, &[]).unwrap_err();
     let message = error.to_string();
     assert_eq!(message.matches("flow.boundary.others.outflow").count(), 1, "{message}");

@@ -3,10 +3,10 @@
 use super::print;
 use super::table::Table;
 use case::Difference;
-use output::{HistoryTable, RESULT_FILE, ResultReader, SUMMARY_FILE};
+use output::{HISTORY_FILE, HistoryTable, RESULT_FILE, ResultReader, SUMMARY_FILE};
 use serde_json::{Map, Value, json};
 use simulation::Failure;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Figures of two runs that are at most this far apart, relative to the larger, count as the same.
 const SAME: f64 = 1e-12;
@@ -21,11 +21,12 @@ const OF_THE_MACHINE: [&str; 3] = ["cost", "machine", "version"];
 /// A directory without a result, or with a damaged one.
 pub fn compare(first: &Path, second: &Path, json: bool) -> Result<(), Failure> {
     let runs = [Run::read(first)?, Run::read(second)?];
-    let (keys, figures, curves) = (keys(&runs)?, figures(&runs), curves(&runs));
+    let (keys, figures, curves, alone) = (keys(&runs)?, figures(&runs), curves(&runs), alone(&runs));
     if json {
         let key = |d: &Difference| (d.key.clone(), json!([d.before, d.now]));
         let keys: Map<String, Value> = keys.iter().map(key).collect();
-        let page = json!({ "keys": keys, "figures": named(&figures), "curves": named(&curves) });
+        let page =
+            json!({ "keys": keys, "figures": named(&figures), "curves": named(&curves), "alone": places(&alone) });
         return print(&serde_json::to_string_pretty(&page).map_err(Failure::bad_input)?);
     }
     let mut tables = vec![Table::new("keys that differ")];
@@ -35,12 +36,18 @@ pub fn compare(first: &Path, second: &Path, json: bool) -> Result<(), Failure> {
     }
     tables.push(table("figures that differ", &figures, |[a, b]| (b - a).abs() / a.abs().max(b.abs())));
     tables.push(table("curves that differ: the largest difference, and where", &curves, |[largest, _]| *largest));
+    let mut of_one = Table::new("figures and curves that only one run has");
+    for (name, run) in &alone {
+        of_one.row(name, format!("in {}", run.display()), "");
+    }
+    tables.push(of_one);
     let texts: Vec<_> = tables.iter().filter(|table| !table.is_empty()).map(Table::text).collect();
     print(&if texts.is_empty() { "no difference".to_owned() } else { texts.join("\n") })
 }
 
 /// A run as it lies on disk.
 struct Run {
+    directory: PathBuf,
     case: String,
     /// The numbers of summary.json by their paths; none as long as the run has not finished.
     summary: Vec<(String, f64)>,
@@ -53,7 +60,13 @@ impl Run {
         let summary = std::fs::read_to_string(directory.join(SUMMARY_FILE)).unwrap_or_default();
         let mut numbers = Vec::new();
         collect("", &serde_json::from_str(&summary).unwrap_or_default(), &mut numbers);
-        Ok(Run { case, summary: numbers, history: HistoryTable::read(directory)? })
+        Ok(Run { directory: directory.to_owned(), case, summary: numbers, history: HistoryTable::read(directory)? })
+    }
+}
+
+impl Run {
+    fn has_figure(&self, name: &str) -> bool {
+        self.summary.iter().any(|(other, _)| other == name)
     }
 }
 
@@ -89,6 +102,21 @@ fn figures([first, second]: &[Run; 2]) -> Vec<Named> {
     first.summary.iter().filter_map(pair).filter(|(_, [a, b])| differ(*a, *b)).collect()
 }
 
+/// The figures and columns that only one run has, and the directory of that run. A missing summary counts as one figure.
+fn alone([first, second]: &[Run; 2]) -> Vec<(String, &Path)> {
+    let missing = |run: &Run, other: &Run| -> Vec<String> {
+        let figures: Vec<String> = match other.summary.is_empty() {
+            true => run.summary.first().map(|_| SUMMARY_FILE.to_owned()).into_iter().collect(),
+            false => run.summary.iter().map(|(name, _)| name.clone()).filter(|name| !other.has_figure(name)).collect(),
+        };
+        let columns = run.history.columns.iter().filter(|name| !other.history.columns.contains(name));
+        figures.into_iter().chain(columns.map(|name| format!("{HISTORY_FILE}: {name}"))).collect()
+    };
+    let named = |names: Vec<String>, run| names.into_iter().map(move |name| (name, run));
+    let ones = named(missing(first, second), first.directory.as_path());
+    ones.chain(named(missing(second, first), second.directory.as_path())).collect()
+}
+
 /// The columns that both histories have: the largest difference, relative to the largest value of the first, and its time. The second curve is
 /// taken at the times of the first, joined by straight lines.
 fn curves([first, second]: &[Run; 2]) -> Vec<Named> {
@@ -119,6 +147,10 @@ fn at(times: &[f64], values: &[f64], t: f64) -> Option<f64> {
 
 fn differ(a: f64, b: f64) -> bool {
     (a - b).abs() > SAME * a.abs().max(b.abs())
+}
+
+fn places(rows: &[(String, &Path)]) -> Map<String, Value> {
+    rows.iter().map(|(name, run)| (name.clone(), json!(run))).collect()
 }
 
 fn named(rows: &[Named]) -> Map<String, Value> {

@@ -3,6 +3,7 @@
 mod check;
 mod compare;
 mod info;
+mod quality;
 mod reference;
 mod report;
 mod run;

@@ -106,7 +106,9 @@ pub fn shock(data: &FailureData) -> Option<Cause> {
         }
         _ => return None,
     };
-    let remedy = "capture shocks: add the empty section `[flow.shock_capturing]`; take smaller cells where the shock stands".into();
+    let remedy =
+        "capture shocks: add the empty section `[flow.shock_capturing]`; take smaller cells where the shock stands"
+            .into();
     Some(Cause { name: "shock", likelihood, what, remedy })
 }
 

@@ -3,7 +3,8 @@
 //! | module | holds |
 //! |---|---|
 //! | `tables` | figures of a case without trial computations |
-//! | `outputs` | averages and distributions |
+//! | `outputs` | what a case observes: averages, distributions, points, lines, planes, formulas |
+//! | `observed` | warnings about that |
 //! | `scales` | speed and amplitude of the motion of the mesh |
 //! | `walls` | resolution of the first cell at a wall |
 //! | `measured` | measurements of trial computations |
@@ -11,6 +12,7 @@
 
 mod blocks;
 mod measured;
+mod observed;
 mod outputs;
 mod scales;
 mod tables;
@@ -109,6 +111,7 @@ where
     let facts = Facts::new(case);
     let mut tables = tables::known(&facts);
     let mut warnings = warnings(&facts);
+    warnings.extend(observed::warnings(&facts));
     warnings.extend(misused_openings::<D, M>(case));
     tables.extend(mesh_over_run(case, probe, &mut warnings));
     tables.extend(seconds::<D, M>(&facts, probe, &mut warnings));

@@ -20,6 +20,11 @@ impl FlatPlate {
         reynolds.is_finite().then_some(FlatPlate { reynolds })
     }
 
+    /// Re.
+    pub(super) fn reynolds(self) -> f64 {
+        self.reynolds
+    }
+
     /// Whether the layer is turbulent.
     pub(super) fn is_turbulent(self) -> bool {
         self.reynolds > TRANSITION

@@ -1,9 +1,10 @@
 //! The contents of a mesh file.
 
 use crate::commands::print;
+use crate::commands::quality::smallest_scaled_jacobian;
 use crate::commands::table::Table;
-use case::AnyMesh;
-use mesh::{Mesh, Simplices, ValidityCheck};
+use case::{AnyMesh, MeshFileError};
+use mesh::{GmshError, Mesh, Simplices};
 use serde_json::{Map, Value};
 use simulation::Failure;
 use std::fs::File;
@@ -30,21 +31,29 @@ fn is_mesh(beginning: &[u8]) -> bool {
     beginning.starts_with(BEGINNING) || mesh::is_su2(beginning) || cgns::is_cgns(beginning)
 }
 
-/// Describes the file of Gmsh, SU2 or CGNS at `path`.
+/// Describes the file of Gmsh, SU2 or CGNS at `path`. Where its cells would have to be split, that is told first.
 ///
 /// # Errors
 /// If the file cannot be read or holds no mesh; the line, byte, node, element or cell is named.
 pub(super) fn info(path: &Path, json: bool) -> Result<(), Failure> {
-    let in_file = |error: anyhow::Error| Failure::bad_input(anyhow::anyhow!("{}: {error}", path.display()));
-    let tables = match AnyMesh::read(path, &[], Simplices::Refuse).map_err(|error| in_file(error.into()))? {
+    let in_file = |error: MeshFileError| anyhow::anyhow!("{}: {error}", path.display());
+    let (mesh, problem) = match AnyMesh::read(path, &[], Simplices::Refuse) {
+        Err(error @ MeshFileError::Mesh(GmshError::Simplices { .. })) => {
+            (AnyMesh::read(path, &[], Simplices::Split), Some(in_file(error).to_string()))
+        }
+        read => (read, None),
+    };
+    let tables = match mesh.map_err(|error| Failure::bad_input(in_file(error)))? {
         AnyMesh::Plane(mesh) => tables(path, &mesh),
         AnyMesh::Space(mesh) => tables(path, &mesh),
     };
     if json {
-        let object: Map<String, Value> = tables.iter().map(Table::json).collect();
+        let problem = problem.map(|problem| ("problem".to_owned(), Value::from(problem)));
+        let object: Map<String, Value> = tables.iter().map(Table::json).chain(problem).collect();
         return print(&Value::Object(object).to_string());
     }
-    print(&tables.iter().map(Table::text).collect::<Vec<_>>().join("\n"))
+    let before = problem.map(|problem| format!("{problem}\n\nThe mesh with `mesh.split_simplices = true`:\n"));
+    print(&before.into_iter().chain(tables.iter().map(Table::text)).collect::<Vec<_>>().join("\n"))
 }
 
 fn tables<const D: usize>(path: &Path, mesh: &Mesh<D>) -> [Table; 4] {
@@ -57,7 +66,7 @@ fn tables<const D: usize>(path: &Path, mesh: &Mesh<D>) -> [Table; 4] {
         .row("volume", mesh.volume(), "")
         .row("largest aspect ratio", aspect_ratio, "")
         .row("  in cell", cell, "")
-        .row("smallest scaled Jacobian", smallest_scaled_jacobian(mesh), "sampled")
+        .row("smallest scaled Jacobian", smallest_scaled_jacobian(mesh).1, "sampled")
         // Every mesh that was read is valid.
         .row("valid", "yes", "det J > 0 is proved in every cell");
     let mut boundaries = Table::new("boundaries");
@@ -87,11 +96,4 @@ fn regions<const D: usize>(mesh: &Mesh<D>) -> Table {
 /// The largest value, and its place.
 fn largest(values: impl Iterator<Item = f64>) -> (usize, f64) {
     values.enumerate().fold((0, 0.0), |largest, value| if value.1 > largest.1 { value } else { largest })
-}
-
-/// The smallest scaled Jacobian of a cell.
-fn smallest_scaled_jacobian<const D: usize>(mesh: &Mesh<D>) -> f64 {
-    let check = ValidityCheck::<D>::new(mesh.order(), &[0.0]);
-    let scaled = |cell| check.bound(mesh.cell_coordinates(cell)).scaled_jacobian();
-    (0..mesh.n_cells()).map(scaled).fold(f64::INFINITY, f64::min)
 }

@@ -15,11 +15,11 @@ use std::path::Path;
 const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
 
 /// Describes the file at `path`: a mesh file of Gmsh, SU2 or CGNS, by its contents or its ending .msh, .su2 or .cgns, or a result
-/// file. For a directory, it describes the result file in it.
+/// file. For a directory, it describes the result file in it. A verbose description of a result holds checksums and the checkpoint.
 ///
 /// # Errors
 /// If the file cannot be read, is damaged or neither.
-pub fn info(path: &Path, json: bool) -> Result<(), Failure> {
+pub fn info(path: &Path, json: bool, verbose: bool) -> Result<(), Failure> {
     let path = &if path.is_dir() { path.join(RESULT_FILE) } else { path.to_owned() };
     if let Err(error) = input_file::require_regular(path) {
         return Err(Failure::bad_input(anyhow::anyhow!("`{}` cannot be read: {error}", path.display())));
@@ -34,7 +34,7 @@ pub fn info(path: &Path, json: bool) -> Result<(), Failure> {
     if json {
         return print(&serde_json::to_string_pretty(&info).map_err(Failure::bad_input)?);
     }
-    print(&describe(path, &info))
+    print(&describe(path, &info, verbose))
 }
 
 /// The kind of a file that is no result, not even a damaged one.
@@ -49,14 +49,15 @@ fn other_kind(path: &Path) -> Option<String> {
     }
 }
 
-fn describe(path: &Path, info: &ResultInfo) -> String {
+fn describe(path: &Path, info: &ResultInfo, verbose: bool) -> String {
     let mut file = Table::new(&path.display().to_string());
     file.row("case", info.case_name.clone(), "")
         .row("written by", info.creator.clone(), "")
         .row("format version", info.format_version, "")
-        .row("size", info.bytes as f64 / 1e6, "MB")
-        .row("case fingerprint", info.case_fingerprint.clone(), "")
-        .row("mesh fingerprint", info.mesh_id.clone(), "");
+        .row("size", info.bytes as f64 / 1e6, "MB");
+    if verbose {
+        file.row("case fingerprint", info.case_fingerprint.clone(), "").row("mesh fingerprint", info.mesh_id.clone(), "");
+    }
     let grid = &info.layout.grid;
     let mut mesh = Table::new("grid");
     mesh.row("dimension", grid.dimension, "")
@@ -71,6 +72,12 @@ fn describe(path: &Path, info: &ResultInfo) -> String {
     let fields: Vec<_> = info.layout.fields.iter().map(|field| field.name.as_str()).collect();
     let exact: Vec<_> = info.layout.exact.iter().map(|array| array.name.as_str()).collect();
     steps.row("fields", fields, "").row("coefficients", exact, "");
+    let tables = [file, mesh, steps].into_iter().chain(verbose.then(|| checkpoint(info)));
+    tables.map(|table| table.text()).collect::<Vec<_>>().join("\n")
+}
+
+/// The arrays and counters from which a run goes on.
+fn checkpoint(info: &ResultInfo) -> Table {
     let mut checkpoint = Table::new("checkpoint");
     for (name, length) in &info.checkpoint.arrays {
         checkpoint.row(name, *length, "values");
@@ -78,5 +85,5 @@ fn describe(path: &Path, info: &ResultInfo) -> String {
     for (name, value) in &info.checkpoint.integers {
         checkpoint.row(name, *value, "");
     }
-    [file, mesh, steps, checkpoint].iter().map(Table::text).collect::<Vec<_>>().join("\n")
+    checkpoint
 }
