@@ -1,7 +1,6 @@
 //! Curves over time, as SVG in which a script may mark times.
 
 use super::axis::Axis;
-use super::document::missing;
 use super::groups::Scale;
 use super::html::{escaped, short};
 use output::HistoryTable;
@@ -50,56 +49,8 @@ impl Curve {
     }
 }
 
-/// A chart: curves that share their axes.
-pub struct Chart {
-    /// Its title.
-    pub title: String,
-    /// The scale of the vertical axis.
-    pub scale: Scale,
-    /// Whether it tells of the solver and the mesh.
-    pub of_solver: bool,
-    /// The curves.
-    pub curves: Vec<Curve>,
-}
-
-impl Chart {
-    /// Whether there are numbers, and all of them are zero.
-    fn is_zero(&self) -> bool {
-        let values = || self.curves.iter().flat_map(|curve| &curve.values);
-        values().next().is_some() && values().all(|value| *value == 0.0)
-    }
-
-    /// The figure with its legend, and space for values that a script inserts. `None` if there is no number to draw.
-    fn figure(&self) -> Option<String> {
-        figure(&self.title, self.scale, &self.curves)
-    }
-}
-
-/// Charts of the run in their order, then those of solver and mesh, which are folded unless they are alone. Charts of zeros are named only.
-pub fn arranged(charts: &[Chart]) -> String {
-    let figures = |of_solver: bool| -> String {
-        let shown = charts.iter().filter(|chart| chart.of_solver == of_solver && !chart.is_zero());
-        let figures: String = shown.filter_map(Chart::figure).collect();
-        if figures.is_empty() { figures } else { format!("<div class=\"charts\">\n{figures}</div>\n") }
-    };
-    let (of_run, of_solver) = (figures(false), figures(true));
-    let open = if of_run.is_empty() { " open" } else { "" };
-    let folded = format!("<details{open}><summary>Solver and mesh</summary>\n{of_solver}</details>\n");
-    let zero: Vec<&str> = charts.iter().filter(|chart| chart.is_zero()).map(|chart| &chart.title[..]).collect();
-    let zero_note = format!("<p class=\"note\">Zero at all times: {}.</p>\n", escaped(&zero.join("; ")));
-    match of_run.is_empty() && of_solver.is_empty() {
-        true => missing("No curves", "no slab is done yet"),
-        false => [
-            of_run,
-            if of_solver.is_empty() { of_solver } else { folded },
-            if zero.is_empty() { String::new() } else { zero_note },
-        ]
-        .concat(),
-    }
-}
-
 /// The figure of some curves; `None` if there is no number to draw.
-fn figure(title: &str, scale: Scale, curves: &[Curve]) -> Option<String> {
+pub fn figure(title: &str, scale: Scale, curves: &[Curve]) -> Option<String> {
     let values = || curves.iter().flat_map(|curve| curve.values.iter().copied());
     let times = || curves.iter().flat_map(|curve| curve.t.iter().copied());
     let y = match scale {
@@ -234,30 +185,6 @@ mod tests {
     fn without_a_number_there_is_no_figure() {
         assert!(chart(Scale::Linear, &history(0, |_| 0.0)).is_none());
         assert!(chart(Scale::Logarithmic, &history(4, |_| 0.0)).is_none());
-    }
-
-    /// A chart of two slabs with this value in the second one.
-    fn of(title: &str, of_solver: bool, value: f64) -> Chart {
-        let history = history(2, |row| row as f64 * value);
-        let curves = vec![Curve::of(&history, 0, "a", "first").unwrap()];
-        Chart { title: title.to_owned(), scale: Scale::Linear, of_solver, curves }
-    }
-
-    #[test]
-    fn charts_of_the_solver_are_folded_unless_they_are_alone() {
-        let both = arranged(&[of("lift", false, 1.0), of("residual", true, 1.0)]);
-        let (open, folded) = both.split_once("<details>").unwrap();
-        assert!(open.contains(">lift<") && folded.contains(">residual<") && !folded.contains(">lift<"), "{both}");
-        assert!(arranged(&[of("residual", true, 1.0)]).starts_with("<details open>"));
-        assert!(!arranged(&[of("lift", false, 1.0)]).contains("details"));
-        assert!(arranged(&[]).contains("No curves"));
-    }
-
-    #[test]
-    fn charts_of_zeros_are_named() {
-        let page = arranged(&[of("lift", false, 1.0), of("heat & work", false, 0.0), of("repairs", true, 0.0)]);
-        assert_eq!(page.matches("<figure").count(), 1);
-        assert!(page.contains("Zero at all times: heat &amp; work; repairs.") && !page.contains("details"), "{page}");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Several runs on one page: their curves over each other, their figures and keys side by side.
 
-use super::chart::{self, Chart, Curve};
+use super::chart::Curve;
+use super::charts::{Chart, arranged};
 use super::document::{Document, fill};
 use super::figures;
 use super::groups::{self, Group};
@@ -54,7 +55,7 @@ fn charts(runs: &[RunFiles], names: &[String]) -> String {
             Chart { title: format!("{title}: {label}"), scale, of_solver, curves }
         })
     };
-    chart::arranged(&groups::groups(&columns, &boundaries).into_iter().flat_map(of_group).collect::<Vec<_>>())
+    arranged(&groups::groups(&columns, &boundaries).into_iter().flat_map(of_group).collect::<Vec<_>>())
 }
 
 /// A row for each figure that some run has; rows that differ are marked.

@@ -9,7 +9,7 @@
 //! | `run_files` | the files of a run so far |
 //! | `pictures` | fields, mesh and vortices at some of the steps, from the exact coefficients; movies of all steps |
 //! | `groups` | groups of history columns that share a chart |
-//! | `chart`, `axis` | curves as SVG |
+//! | `charts`, `chart`, `axis` | curves as SVG |
 //! | `figures` | tables of all numbers of the summary |
 //! | `document` | the frame of all pages: `document.html`, `page.css`, `charts.js` and `pictures.js` |
 //! | `page`, `panel`, `why` | the page of a run: `page.html` filled in; its pictures; why a run failed |
@@ -39,6 +39,7 @@
 
 mod axis;
 mod chart;
+mod charts;
 mod comparison;
 mod document;
 pub mod fields;

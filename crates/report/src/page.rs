@@ -1,6 +1,7 @@
 //! The page of a run: `page.html` with its data.
 
-use super::chart::{self, Chart, Curve};
+use super::chart::{Curve, drawn_rows};
+use super::charts::{Chart, arranged};
 use super::document::{Document, fill, missing};
 use super::groups::{self, Group};
 use super::html::{escaped, short};
@@ -72,7 +73,7 @@ fn charts(run: &RunFiles) -> String {
         Chart { title, scale, of_solver, curves }
     };
     let groups = groups::groups(&run.history.columns, run.boundaries());
-    chart::arranged(&groups.into_iter().map(chart).collect::<Vec<_>>())
+    arranged(&groups.into_iter().map(chart).collect::<Vec<_>>())
 }
 
 fn figures_note(run: &RunFiles) -> &'static str {
@@ -84,7 +85,7 @@ fn figures_note(run: &RunFiles) -> &'static str {
 
 /// The displayed rows, column by column.
 pub fn history(history: &HistoryTable) -> Value {
-    let rows = chart::drawn_rows(history);
+    let rows = drawn_rows(history);
     let column = |name: &String| {
         let values = history.column(name).unwrap_or_default();
         (name.clone(), rows.iter().map(|&row| number(values[row])).collect::<Value>())

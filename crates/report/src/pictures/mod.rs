@@ -25,6 +25,7 @@ mod space;
 mod surface;
 mod track;
 mod view;
+mod wall;
 mod window;
 
 pub use colour::{ColourMap, css};

@@ -44,7 +44,7 @@ impl<const D: usize> Scheme<D> {
         let complete = rest.len() == cells * mesh_nodes * D;
         let arrays: Vec<&str> = reader.layout.exact.iter().map(|array| &array.name[..]).collect();
         let quantities = PictureQuantity::of(flow.is_some(), &arrays);
-        complete.then(|| Scheme { mesh_nodes, flow, gas, rest, samplers, at_nodes, quantities })
+        complete.then_some(Scheme { mesh_nodes, flow, gas, rest, samplers, at_nodes, quantities })
     }
 
     /// The solution at a step.

@@ -3,7 +3,7 @@
 use super::drawn::{Drawn, extremes};
 use super::encode::colour_numbers;
 use super::lines::LineLayer;
-use super::near_walls::{Wall, windows};
+use super::near_walls::windows;
 use super::plane::Plane;
 use super::quantity::{PictureQuantity, Range};
 use super::raster::Raster;
@@ -11,6 +11,7 @@ use super::scheme::PARTS;
 use super::snapshot::Snapshot;
 use super::space::{Cuboid, PictureRegion, Space};
 use super::surface::{face_lines, surface};
+use super::wall::Wall;
 use super::window::{Extent, Window};
 use crate::html::short;
 use output::ResultReader;

@@ -57,7 +57,7 @@ mod tests {
 
     #[test]
     fn parts_have_a_common_normal_where_they_meet() {
-        let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let part = |normal: [f64; 3], other: usize| TriangleSurface {
             points: vec![points[0], points[1], points[other]],
             normals: vec![normal; 3],
