@@ -129,6 +129,30 @@ fn to_reliability(numbers: &[f64]) -> Reliability {
     Reliability { next_order_residual: numbers.first().copied().filter(|r| !r.is_nan()), stability }
 }
 
+/// Numbers of `walls`, one after the other, by wall.
+fn by_wall(numbers: &[f64], walls: usize) -> Vec<Vec<f64>> {
+    let each = numbers.len().checked_div(walls).unwrap_or(0).max(1);
+    numbers.chunks(each).map(<[f64]>::to_vec).collect()
+}
+
+/// The quality of the mesh; None if there is none.
+fn to_quality(numbers: &[f64]) -> Option<MeshQuality> {
+    let [lower_bound, sampled_min, scaled_jacobian, cell, time] = *numbers else { return None };
+    Some(MeshQuality { lower_bound, sampled_min, scaled_jacobian, cell: cell as usize, time })
+}
+
+/// The steady start of a run with a number of `walls`, and its reliability; None if there was none.
+fn to_steady(numbers: &[f64], reliability: &[f64], walls: usize) -> Option<Steady> {
+    let [newton, krylov, residual, forces @ ..] = numbers else { return None };
+    Some(Steady {
+        newton: *newton as u64,
+        krylov: *krylov as u64,
+        residual: *residual,
+        forces: by_wall(forces, walls),
+        reliability: to_reliability(reliability),
+    })
+}
+
 impl Steady {
     fn to_numbers(&self) -> Vec<f64> {
         [vec![self.newton as f64, self.krylov as f64, self.residual], self.forces.concat()].concat()
@@ -283,17 +307,7 @@ impl RunStatistics {
         else {
             return None;
         };
-        let quality = match get("quality")?[..] {
-            [lower_bound, sampled_min, scaled_jacobian, cell, time] => {
-                Some(MeshQuality { lower_bound, sampled_min, scaled_jacobian, cell: cell as usize, time })
-            }
-            _ => None,
-        };
         let &[energy_at_start, load_work, support_work, dissipation] = &get("structure")?[..] else { return None };
-        let by_wall = |numbers: &[f64]| -> Vec<Vec<f64>> {
-            let each = numbers.len().checked_div(walls).unwrap_or(0).max(1);
-            numbers.chunks(each).map(<[f64]>::to_vec).collect()
-        };
         Some(RunStatistics {
             rejected: rejected as u64,
             newton: newton as u64,
@@ -303,7 +317,7 @@ impl RunStatistics {
             elasticity: elasticity as u64,
             residuals: residuals as u64,
             products: products as u64,
-            quality,
+            quality: to_quality(get("quality")?),
             first_invalid: match get("first_invalid")?[..] {
                 [time, cell] => Some(FirstInvalid { time, cell: cell as usize }),
                 _ => None,
@@ -312,18 +326,9 @@ impl RunStatistics {
             totals_at_start: get("totals_at_start")?.clone(),
             start_layer: get("start_layer").and_then(|layer| layer.first().copied()),
             left: get("left")?.clone(),
-            impulses: by_wall(get("impulses")?),
-            forces: by_wall(get("forces")?),
-            steady: match &get("steady")?[..] {
-                [newton, krylov, residual, forces @ ..] => Some(Steady {
-                    newton: *newton as u64,
-                    krylov: *krylov as u64,
-                    residual: *residual,
-                    forces: by_wall(forces),
-                    reliability: to_reliability(get("reliability").map_or(&[][..], Vec::as_slice)),
-                }),
-                _ => None,
-            },
+            impulses: by_wall(get("impulses")?, walls),
+            forces: by_wall(get("forces")?, walls),
+            steady: to_steady(get("steady")?, get("reliability").map_or(&[][..], Vec::as_slice), walls),
             mass_error: *get("errors")?.first()?,
             energy_error: *get("errors")?.get(1)?,
             coupled_energy_error: *get("errors")?.get(2)?,

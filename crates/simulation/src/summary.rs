@@ -5,7 +5,7 @@ use super::body_record::{BodyRecord, Oscillation};
 use super::context::{self, RunContext, Stop};
 use super::history::openings;
 use super::openings::Misuse;
-use super::statistics;
+use super::statistics::{self, RunStatistics};
 use super::walls::from_numbers;
 use case::{Case, DisplacementOf, Flow, Motion, State, Stiffness};
 use coupled::block::BodyState;
@@ -42,9 +42,23 @@ where
     Exact<State<D>>: StateField<D, M>,
 {
     let WholeFlow { operator, state, march } = whole;
-    let (statistics, slabs) = (&context.statistics, state.slab as u64);
+    let statistics = &context.statistics;
     let mut summary = of_mesh(case, &march.solver.system.mesh.mover, state, context, stop);
     summary.unknowns.flow = Some(operator.layout.len());
+    add_solver(&mut summary, statistics, state.slab as u64);
+    if let Some(exact) = &flow.exact {
+        add_errors(whole, exact, summary.error.get_or_insert_default());
+    }
+    let conservation = conservation(case, flow, whole, statistics);
+    summary.conservation = (conservation != Conservation::default()).then_some(conservation);
+    add_boundaries(&mut summary, case, flow, statistics);
+    add_bodies(&mut summary, case, &march.bodies(), statistics);
+    summary.steady = statistics.steady.as_ref().map(|steady| of_steady(flow, steady));
+    summary
+}
+
+/// Counts of Newton steps and Krylov iterations over `slabs`.
+fn add_solver(summary: &mut Summary, statistics: &RunStatistics, slabs: u64) {
     summary.newton = Some(Newton {
         total: statistics.newton,
         max: statistics.newton_max,
@@ -56,12 +70,21 @@ where
         mean_per_newton: ratio(statistics.krylov, statistics.newton),
         elasticity_total: summary.unknowns.mesh.map(|_| statistics.elasticity),
     });
-    if let Some(exact) = &flow.exact {
-        add_errors(whole, exact, summary.error.get_or_insert_default());
-    }
+}
+
+/// The errors of mass and energy, and of a uniform flow.
+fn conservation<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    whole: &WholeFlow<D, M>,
+    statistics: &RunStatistics,
+) -> Conservation
+where
+    Exact<State<D>>: StateField<D, M>,
+{
     // A body force keeps mass and does work.
     let is_closed = flow.source.is_none();
-    let conservation = Conservation {
+    Conservation {
         mass_error: flow.conserves_mass().then_some(statistics.mass_error),
         energy_error: is_closed.then_some(statistics.energy_error),
         coupled_energy_error: (is_closed && bodies::has_bodies(case)).then_some(statistics.coupled_energy_error),
@@ -69,8 +92,11 @@ where
             Some(exact @ State::Uniform(_)) => Some(largest_deviation(whole, exact)),
             _ => None,
         },
-    };
-    summary.conservation = (conservation != Conservation::default()).then_some(conservation);
+    }
+}
+
+/// Walls, inflows and outflows.
+fn add_boundaries<const D: usize>(summary: &mut Summary, case: &Case<D>, flow: &Flow<D>, statistics: &RunStatistics) {
     let impulse = |wall: usize| statistics.impulses.get(wall).map_or(&[][..], Vec::as_slice);
     let force = |wall: usize| statistics.forces.get(wall).map_or(&[][..], Vec::as_slice);
     for (number, wall) in flow.walls.iter().enumerate() {
@@ -79,8 +105,11 @@ where
     for boundary in openings(flow) {
         summary.openings.insert(case.mesh.boundary_names()[boundary].clone(), of_opening(statistics, boundary));
     }
-    let states = march.bodies();
-    for ((body, state), record) in case.bodies.iter().zip(&states).zip(&statistics.bodies) {
+}
+
+/// Rigid bodies, and a structure after them, with their `states`.
+fn add_bodies<const D: usize>(summary: &mut Summary, case: &Case<D>, states: &[BodyState], statistics: &RunStatistics) {
+    for ((body, state), record) in case.bodies.iter().zip(states).zip(&statistics.bodies) {
         summary.bodies.insert(body.name.clone(), of_body(body, state, record));
     }
     if let (Some((structure, _)), Some(state), Some(record)) =
@@ -88,8 +117,6 @@ where
     {
         summary.bodies.insert(bodies::STRUCTURE.to_owned(), of_elastic_body(structure, state, record));
     }
-    summary.steady = statistics.steady.as_ref().map(|steady| of_steady(flow, steady));
-    summary
 }
 
 /// The figures of a wall, from its impulses over the run and its forces at the end.
@@ -177,7 +204,7 @@ fn of_any_body(names: Vec<String>, state: &BodyState, record: &BodyRecord) -> Bo
 }
 
 /// The figures of an inflow or outflow.
-fn of_opening(statistics: &statistics::RunStatistics, boundary: usize) -> Opening {
+fn of_opening(statistics: &RunStatistics, boundary: usize) -> Opening {
     let seen = |misuse: Misuse| {
         let record = statistics.openings.iter().find(|r| r.now.boundary == boundary && r.now.misuse == misuse)?;
         Some(Misused { since: record.since, share: record.now.share, largest_share: record.largest_share })

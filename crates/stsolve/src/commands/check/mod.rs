@@ -9,11 +9,13 @@
 //! | `walls` | resolution of the first cell at a wall |
 //! | `measured` | measurements of trial computations |
 //! | `warnings` | choices that are allowed but likely wrong |
+//! | `resolution` | warnings about what mesh, slabs and quadrature resolve |
 
 mod blocks;
 mod measured;
 mod observed;
 mod outputs;
+mod resolution;
 mod scales;
 mod tables;
 mod walls;

@@ -1,17 +1,10 @@
 //! Choices of a case that are allowed, but likely wrong.
 
 use super::Facts;
+use super::resolution::{free_flow, layer, quadrature, slab_length, split_cells};
 use super::scales::walls_at_start;
-use crate::commands::quality::{centre, smallest_scaled_jacobian};
 use case::{Flow, Motion, Preconditioner, State};
-use fem::Quadrature;
-use navier_stokes::{Boundary, Riemann, Viscosity, VolumeFlux};
-
-/// A motion with fewer nodes in time per period is badly resolved.
-const NODES_PER_PERIOD: f64 = 12.0;
-
-/// A boundary layer with fewer nodes across is badly resolved.
-const NODES_IN_LAYER: f64 = 5.0;
+use navier_stokes::{Boundary, Riemann, Viscosity};
 
 /// A far field nearer than this, in reference lengths, influences the flow.
 const FAR: f64 = 10.0;
@@ -26,12 +19,6 @@ const CELLS_CROSSED: f64 = 1.0;
 /// If the reference temperature and Sutherland's temperature differ by more than this factor, the gas constant is
 /// doubtful.
 const FAR_FROM_SUTHERLAND: f64 = 3.0;
-
-/// Split cells with a smaller scaled Jacobian are poor.
-const POOR_CELL: f64 = 0.1;
-
-/// Without walls a flow with a larger Reynolds number of a distance of nodes is not resolved.
-const CELL_REYNOLDS: f64 = 100.0;
 
 /// A result file above this size causes a warning, in MB.
 const LARGE_FILE: f64 = 5000.0;
@@ -59,21 +46,6 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
 
 pub(super) fn warning(subject: &'static str, text: String) -> Option<Warning> {
     Some(Warning { subject, text })
-}
-
-/// Cells of a file that were split into poor ones.
-fn split_cells<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
-    let mesh = &facts.case.mesh;
-    let (cell, smallest) = facts.case.splits_simplices.then(|| smallest_scaled_jacobian(mesh))?;
-    if smallest >= POOR_CELL {
-        return None;
-    }
-    let text = format!(
-        "`mesh.split_simplices` makes poor cells: the scaled Jacobian of cell {cell} at {:.4?} is {smallest:.3}, where 1 is undistorted; a mesh of \
-         better triangles or tetrahedra, or one of quadrilaterals or hexahedra",
-        centre(mesh, cell)
-    );
-    warning("cells", text)
 }
 
 /// A boundary that moves while others rest is usually a body.
@@ -117,34 +89,6 @@ fn exact<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
     warning("exact solution", text.to_owned())
 }
 
-fn quadrature<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
-    let orders = facts.orders(flow);
-    let (taken, needed) = (flow.quadrature.space_points(D, orders), Quadrature::Conserving.space_points(D, orders));
-    if flow.quadrature.conserves(D, orders) {
-        return None;
-    }
-    let text = format!(
-        "{taken} points per direction, while conservation on a curved moving mesh needs {needed}: `flow.quadrature = \"conserving\"`"
-    );
-    warning("quadrature", text)
-}
-
-fn slab_length<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
-    let (time, scales) = (&facts.case.time, facts.motion?);
-    let period = std::f64::consts::TAU / scales.frequency();
-    let nodes = period / time.step * time.order as f64;
-    // A run shorter than half a period has no periodic motion.
-    if nodes >= NODES_PER_PERIOD || time.end - time.start < 0.5 * period {
-        return None;
-    }
-    let step = period * time.order as f64 / NODES_PER_PERIOD;
-    let text = format!(
-        "a period of the motion, about {period:.3}, has {nodes:.1} nodes in time, fewer than {NODES_PER_PERIOD}: `time.step` of {step:.2e} \
-         or less, or a higher `time.order`"
-    );
-    warning("slab length", text)
-}
-
 /// The preconditioner by lines neglects neighbours.
 fn lines<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
     let crossed = facts.cells_crossed(flow);
@@ -170,58 +114,6 @@ fn far_field<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<War
          `flow.reference.length` if that is not the size of the body"
     );
     warning("far field", text)
-}
-
-fn layer<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
-    let (plate, height) = (facts.plate?, facts.walls?.cell_height? / flow.reference_length);
-    if plate.is_turbulent() {
-        let text = format!(
-            "at this Reynolds number a boundary layer is turbulent, and there is no turbulence model: a lower Reynolds number, or a mesh in space \
-             that resolves turbulence{}",
-            against_aliasing(flow)
-        );
-        return warning("turbulence", text);
-    }
-    let nodes = plate.thickness() / height * (flow.order as f64 - 1.0);
-    if nodes >= NODES_IN_LAYER {
-        return None;
-    }
-    let text = format!(
-        "about {nodes:.1} nodes across the boundary layer of thickness {:.2e}, fewer than {NODES_IN_LAYER}: thinner cells at the wall (`first_cell` \
-         of the generator), or a higher `flow.order`{}",
-        plate.thickness() * flow.reference_length,
-        against_aliasing(flow)
-    );
-    warning("first cell", text)
-}
-
-/// A viscous flow without walls and far field, such as decaying turbulence in a box, whose smallest scales the mesh does not resolve.
-fn free_flow<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
-    let (plate, advice) = (facts.plate?, against_aliasing(flow));
-    let has_far_field = flow.boundary.iter().any(|data| matches!(data.condition, Boundary::FarField(_)));
-    let distance = facts.smallest_size / (flow.order as f64 - 1.0);
-    let reynolds = plate.reynolds() * distance / flow.reference_length;
-    let is_smooth = flow.exact.is_some() || has_far_field || !flow.walls.is_empty();
-    if is_smooth || advice.is_empty() || reynolds <= CELL_REYNOLDS {
-        return None;
-    }
-    let text = format!(
-        "the Reynolds number of a distance of nodes is {reynolds:.0}: more cells, or a higher `flow.order`{advice}"
-    );
-    warning("resolution", text)
-}
-
-/// What keeps a flow stable that the mesh does not resolve, for the end of a warning; empty if it is in use.
-fn against_aliasing<const D: usize>(flow: &Flow<D>) -> &'static str {
-    let is_split = flow.law.volume_flux != VolumeFlux::Central;
-    match flow.quadrature {
-        Quadrature::ThreeHalves | Quadrature::Double => "",
-        _ if is_split => "",
-        _ => {
-            "; where the mesh does not resolve the flow, `flow.quadrature = \"three_halves\"` is more robust, and so is \"collocated_lobatto\" with \
-             `flow.volume_flux = \"entropy\"`"
-        }
-    }
 }
 
 /// A wall that has a speed at the start pushes the gas suddenly, for any motion of the interior mesh.
