@@ -8,16 +8,21 @@
 //! | store | send what the preconditioner is made of to rank 0 |
 //! | finish | end |
 //!
-//! The mesh and its motion are on all ranks: each solves for it alike, to the same bits.
+//! The mesh, its motion, bodies and structures are on all ranks: each solves for them alike, to the same bits. After every slab the ranks
+//! compare these.
 
+mod agreement;
 mod orders;
 mod parts;
 
+pub use agreement::agree;
 pub use orders::Orders;
 
-use super::{build, checkpoint, controls};
+use super::memory_estimate::require_memory;
+use super::{Failure, build, checkpoint, controls};
+use agreement::{digest, first_other};
 use case::{AnyCase, Case, Flow, State};
-use coupled::{FlowMarch, MarchError, MeshMover, SlabReport};
+use coupled::{FlowMarch, MeshMover, SlabReport};
 use fem::{Blocks, Bottom, Share, SlabOperator, StateField};
 use mesh::MeshError;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
@@ -28,16 +33,19 @@ use ranks::{Communicator, Sums};
 use std::mem::take;
 use std::sync::Arc;
 
+/// The number of blocks among the stored numbers.
+const BLOCKS: &str = "blocks";
+
 /// What rank 0 has of the whole flow.
 pub struct Crew<const D: usize, const M: usize> {
     /// The state of the whole flow.
     pub state: coupled::State,
-    /// The operator on all cells: for what is measured of the flow. It solves nothing.
+    /// The operator on all cells, for measurements of the flow. It solves nothing.
     pub operator: SlabOperator<D, M>,
     /// The block of every cell.
     blocks: Vec<usize>,
-    /// Whether all ranks have the state.
-    in_step: bool,
+    /// Whether all ranks have the state. At the start each makes its part of it.
+    pub in_step: bool,
     orders: Arc<Orders>,
 }
 
@@ -47,7 +55,7 @@ fn blocks<const D: usize>(case: &Case<D>) -> Result<Blocks, MeshError> {
         return Ok(Blocks::one(case.mesh.n_cells()));
     }
     let of_cell = mesh::blocks(&case.mesh, case.blocks)?;
-    Ok(Blocks { colours: mesh::colours(&case.mesh, &of_cell), of_cell })
+    Ok(Blocks { of_cell, groups: case.stages })
 }
 
 impl<const D: usize, const M: usize> Crew<D, M>
@@ -57,27 +65,26 @@ where
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
-    /// Has all ranks build the march of their share. None where the mesh is one block.
+    /// Has all ranks build the march of their share. No crew where the mesh is one block.
     ///
     /// # Errors
-    /// Those of the mesh, alike on all ranks.
+    /// Those of the mesh, and a shortage of memory, of any rank.
     pub fn build(
         case: &Case<D>,
         flow: &Flow<D>,
         orders: &Arc<Orders>,
-    ) -> anyhow::Result<(FlowMarch<D, M>, Option<Self>)> {
+    ) -> Result<(FlowMarch<D, M>, Option<Self>), Failure> {
         orders.give(Order::Build, None);
-        let blocks = blocks(case)?;
-        let march = march::<D, M>(case, flow, &blocks, orders.communicator())?;
+        let march = march::<D, M>(case, flow, orders.communicator())?;
         if case.blocks == 1 {
             return Ok((march, None));
         }
         let mover: &MeshMover<D> = &march.solver.system.mesh.mover;
-        let operator = build::operator::<D, M>(case, flow, mover, Share::whole(&case.mesh));
+        let operator = build::measuring_operator::<D, M>(case, flow, mover);
         let u = build::initial(case, flow, &operator, mover);
         let state = coupled::State { u, ..march.state.clone() };
-        let (blocks, orders) = (blocks.of_cell, orders.clone());
-        Ok((march, Some(Crew { state, operator, blocks, in_step: false, orders })))
+        let blocks = blocks(case).map_err(Failure::bad_input)?.of_cell;
+        Ok((march, Some(Crew { state, operator, blocks, in_step: true, orders: orders.clone() })))
     }
 
     /// Has all ranks take their parts of the state, and of a linearisation if there is one.
@@ -90,14 +97,14 @@ where
     /// Has all ranks solve the next slab.
     ///
     /// # Errors
-    /// As [`coupled::March::advance`], alike on all ranks.
-    pub fn advance(&mut self, case: &Case<D>, march: &mut FlowMarch<D, M>) -> Result<SlabReport<M>, MarchError> {
+    /// As [`coupled::March::advance`], alike on all ranks; other bits of the mesh on another rank.
+    pub fn advance(&mut self, case: &Case<D>, march: &mut FlowMarch<D, M>) -> anyhow::Result<SlabReport<M>> {
         if !self.in_step {
             let stored = checkpoint::store(&self.state, None, false);
             self.restore(case, &stored, march);
         }
         self.orders.give(Order::Advance, controls::told(case).as_ref());
-        let report = march.advance();
+        let report = advance(march);
         if report.is_ok() {
             parts::join_state(march, &mut self.state);
         } else {
@@ -112,9 +119,10 @@ where
     pub fn store(&self, march: &FlowMarch<D, M>) -> SolverState {
         self.orders.give(Order::Store, None);
         let preconditioner = &march.solver.system.flow.preconditioner;
-        let frozen =
-            parts::join_linearisation(march).map(|frozen| parts::in_whole(frozen, &self.blocks, &self.operator.share));
-        checkpoint::store(&self.state, frozen.as_ref(), preconditioner.stale)
+        let frozen = parts::join_linearisation(march).map(|frozen| parts::in_whole(frozen, &self.blocks));
+        let mut stored = checkpoint::store(&self.state, frozen.as_ref(), preconditioner.stale);
+        stored.integers.insert(BLOCKS.to_owned(), march.solver.system.flow.operator.share.sums.blocks() as i64);
+        stored
     }
 
     /// Puts the operator on the mesh of the last slab, so that the flow can be measured.
@@ -132,11 +140,49 @@ pub fn look_at_last_slab<const D: usize, const M: usize>(operator: &mut SlabOper
     }
 }
 
-/// The march of the share of this rank.
+/// Solves a slab. A collective call.
+///
+/// # Errors
+/// That of the slab; a rank whose mesh, bodies or times have other bits than those of rank 0.
+fn advance<const D: usize, const M: usize>(march: &mut FlowMarch<D, M>) -> anyhow::Result<SlabReport<M>> {
+    let report = march.advance()?;
+    let state = &march.state;
+    let bodies = state.bodies.iter().flatten();
+    let numbers = [state.time, state.step].into_iter().chain(state.d.iter().chain(bodies).copied());
+    let communicator = march.solver.system.flow.operator.share.sums.communicator();
+    let other = if communicator.size() > 1 { first_other(&**communicator, digest(numbers)) } else { None };
+    other.map_or(Ok(report), |rank| {
+        Err(anyhow::anyhow!(
+            "process {rank} has found another mesh than process 0 at t = {}: every process solves for the mesh, and processors of different \
+             types round differently; start all processes on machines of one type, and resume the run",
+            state.time
+        ))
+    })
+}
+
+/// The march of the share of this rank. A collective call.
+///
+/// # Errors
+/// Those of any rank.
 fn march<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &Flow<D>,
-    blocks: &Blocks,
+    communicator: &Arc<dyn Communicator>,
+) -> Result<FlowMarch<D, M>, Failure>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    agree(&**communicator, require_memory(case, communicator.rank(), communicator.size()))?;
+    agree(&**communicator, march_of_share(case, flow, communicator).map_err(Failure::BadInput))
+}
+
+/// The march of the share of this rank.
+fn march_of_share<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
     communicator: &Arc<dyn Communicator>,
 ) -> anyhow::Result<FlowMarch<D, M>>
 where
@@ -146,12 +192,14 @@ where
     Manufactured<State<D>, D>: StateField<D, M>,
 {
     let sums = Arc::new(Sums::new(communicator.clone(), case.blocks));
-    Ok(build::march_of(case, flow, build::mover(case)?, Share::new(&case.mesh, blocks, sums))?)
+    Ok(build::march_of(case, flow, build::mover(case)?, Share::new(&case.mesh, &blocks(case)?, sums))?)
 }
 
 /// Takes the own part of a stored state.
 fn restore<const D: usize, const M: usize>(case: &Case<D>, stored: &SolverState, march: &mut FlowMarch<D, M>) {
     let Some((state, frozen, stale)) = checkpoint::load(stored, &case.time) else { return };
+    // The stages of another partition may join neighbours.
+    let frozen = frozen.filter(|_| stored.integers.get(BLOCKS) == Some(&(case.blocks as i64)));
     let share = march.solver.system.flow.operator.share.clone();
     march.state = own_state(state, &share);
     if let Some(frozen) = frozen {
@@ -160,7 +208,7 @@ fn restore<const D: usize, const M: usize>(case: &Case<D>, stored: &SolverState,
     march.solver.system.flow.preconditioner.stale = stale;
 }
 
-/// Does what rank 0 orders, until it orders to finish.
+/// Executes the orders of rank 0, until it orders to finish.
 pub fn serve(case: &AnyCase, communicator: &Arc<dyn Communicator>) {
     rayon::scope(|_| match case {
         AnyCase::Plane(case) => serve_in::<2, 4>(case, communicator),
@@ -180,11 +228,8 @@ where
         let (order, state) = orders::receive(&**communicator);
         match (order, &mut own) {
             (Order::Finish, _) => return,
-            // An error is that of rank 0, which tells it.
-            (Order::Build, _) => {
-                let build = |flow| march(case, flow, &blocks(case).ok()?, communicator).ok();
-                own = case.flow.as_ref().and_then(build);
-            }
+            // An error is that of all ranks; rank 0 tells it.
+            (Order::Build, _) => own = case.flow.as_ref().and_then(|flow| march(case, flow, communicator).ok()),
             (Order::Restore, Some(march)) => {
                 let stored = orders::decode(&state);
                 controls::set_for_preconditioner(case, Some(&stored));
@@ -192,7 +237,7 @@ where
             }
             (Order::Advance, Some(march)) => {
                 controls::hear(case, &orders::decode(&state));
-                if march.advance().is_ok() {
+                if advance(march).is_ok() {
                     parts::join_state(march, &mut coupled::State::new(0.0, Vec::new(), Vec::new()));
                 }
             }

@@ -18,7 +18,6 @@ use super::walls::wall_loads;
 use super::{build, checkpoint, controls, cuts, history, restart, summary};
 use crate::destination::Destination;
 use crate::error::Failure;
-use crate::memory_estimate::require_memory;
 use crate::observer::{Observer, SlabDone};
 use crate::session::Session;
 use case::{Averages, BoundaryData, Case, Flow, State, Steady};
@@ -49,9 +48,8 @@ where
     Manufactured<State<D>, D>: StateField<D, M>,
 {
     let begun = Instant::now();
-    require_memory(case)?;
     controls::check(case)?;
-    let (march, crew) = Crew::<D, M>::build(case, flow, orders).map_err(Failure::bad_input)?;
+    let (march, crew) = Crew::<D, M>::build(case, flow, orders)?;
     let origin = match destination.is_resumed() {
         true => None,
         false => restart::read::<D, M>(case, flow, &march.solver.system.mesh.mover)?,
@@ -144,7 +142,7 @@ where
         }
     }
 
-    /// Drops the averages of a run that this one continues, if they are others or in other orders.
+    /// Drops the averages of a run that this one continues, if their settings or orders differ.
     fn begin_averages(&self, sums: &mut AverageSums) {
         let layout = self.operator().layout;
         let fits = |wanted: &Averages| sums.fits::<D>(wanted, layout.cells, layout.nodes);
@@ -199,8 +197,11 @@ where
 
     /// Replaces the initial state by the steady flow; returns its row of history.csv.
     fn start_from_steady_flow(&mut self, steady: &Steady, context: &mut RunContext) -> anyhow::Result<Vec<f64>> {
-        let (case, flow, state) =
-            (self.case, self.flow, self.crew.as_mut().map_or(&mut self.march.state, |crew| &mut crew.state));
+        let (case, flow) = (self.case, self.flow);
+        let state = self.crew.as_mut().map_or(&mut self.march.state, |crew| {
+            crew.in_step = false;
+            &mut crew.state
+        });
         let search = Search {
             discretise: &|discretisation| build::steady::<D, M>(case, flow, &state.d, discretisation),
             order: flow.order,
@@ -239,7 +240,7 @@ fn is_closed<const D: usize>(flow: &Flow<D>) -> bool {
     flow.conserves_mass() && !flow.boundary.iter().any(lets_pass)
 }
 
-/// What is wrong with a steady flow, and the remedy.
+/// The warning about a steady flow, with the remedy.
 fn warning(reliability: &Reliability) -> Option<String> {
     let stability = reliability.stability.filter(Stability::is_unstable)?;
     let seen = match stability.completed {

@@ -175,7 +175,7 @@ mod walls;
 pub use build::{PrescribedNode, elasticity_plan, march, march_with_motion, mover, prescribed_nodes, structure_march};
 pub use cell_finder::CellFinder;
 pub use controls::check as check_controls;
-pub use crew::serve;
+pub use crew::{agree, serve};
 pub use destination::{Destination, Existing};
 pub use drive::{motion, run, run_on};
 pub use error::Failure;

@@ -1,4 +1,5 @@
-//! Destinations of log records: all go to `log.jsonl`, for machines; the requested ones go to stderr.
+//! Destinations of log records: all go to `log.jsonl`, for machines; the requested ones go to stderr. Of several ranks, those other than the
+//! first one log nothing, or to files of their own.
 
 use crate::cli::Verbosity;
 use crate::terminal::Terminal;
@@ -31,10 +32,26 @@ pub fn start(
     let writer = terminal.clone();
     let human = layer().without_time().with_target(false).with_ansi(terminal.is_interactive());
     let human = human.with_writer(move || writer.clone()).with_filter(level(verbosity));
-    let machine =
-        layer().json().with_writer(Mutex::new(LogFile::new(directory, append))).with_filter(LevelFilter::DEBUG);
+    let file = LogFile::new(directory, LOG_FILE, append);
+    let machine = layer().json().with_writer(Mutex::new(file)).with_filter(LevelFilter::DEBUG);
     let clock = clock.clone().with_filter(filter_fn(CostClock::counts));
     Registry::default().with(machine).with(human).with(clock).try_init().map_err(io::Error::other)
+}
+
+/// Starts logging into the file of `rank` in `directory`, see [`start`], and nowhere else. Records get lost until the first rank has made the
+/// directory.
+///
+/// # Errors
+/// If logging has been started before.
+pub fn start_of_rank(directory: &Path, rank: usize, append: bool) -> io::Result<()> {
+    let file = LogFile::new(directory, &log_file_of(rank), append);
+    let machine = layer().json().with_writer(Mutex::new(file)).with_filter(LevelFilter::DEBUG);
+    Registry::default().with(machine).try_init().map_err(io::Error::other)
+}
+
+/// The name of the log of a rank other than the first one.
+fn log_file_of(rank: usize) -> String {
+    format!("log_{rank}.jsonl")
 }
 
 /// A file that is opened when the first record is written, so that a refused run leaves no trace.
@@ -46,8 +63,8 @@ struct LogFile {
 }
 
 impl LogFile {
-    fn new(directory: &Path, append: bool) -> Self {
-        LogFile { path: directory.join(LOG_FILE), append, file: None }
+    fn new(directory: &Path, name: &str, append: bool) -> Self {
+        LogFile { path: directory.join(name), append, file: None }
     }
 
     fn open(&mut self) -> io::Result<&mut File> {
@@ -101,12 +118,24 @@ mod tests {
     fn a_resumed_run_keeps_the_log_and_one_that_is_refused_makes_none() {
         let directory = tempfile::tempdir().unwrap();
         let text = || std::fs::read_to_string(directory.path().join(LOG_FILE)).unwrap();
-        drop(LogFile::new(directory.path(), false));
+        let file = |append| LogFile::new(directory.path(), LOG_FILE, append);
+        drop(file(false));
         assert!(!directory.path().join(LOG_FILE).exists());
-        let write = |append| writeln!(LogFile::new(directory.path(), append), "line").unwrap();
+        let write = |append| writeln!(file(append), "line").unwrap();
         [false, true].into_iter().for_each(write);
         assert_eq!(text(), "line\nline\n");
         write(false);
         assert_eq!(text(), "line\n");
+    }
+
+    #[test]
+    fn a_rank_waits_for_the_directory_of_its_log() {
+        let directory = tempfile::tempdir().unwrap();
+        let run = directory.path().join("run");
+        let mut file = LogFile::new(&run, &log_file_of(2), false);
+        assert!(writeln!(file, "early").is_err());
+        std::fs::create_dir(&run).unwrap();
+        writeln!(file, "line").unwrap();
+        assert_eq!(std::fs::read_to_string(run.join("log_2.jsonl")).unwrap(), "line\n");
     }
 }

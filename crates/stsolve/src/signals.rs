@@ -1,7 +1,7 @@
 //! The interruption of a run by signals.
 
 use crate::terminal::Terminal;
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::iterator::Signals;
 use signal_hook::low_level::emulate_default_handler;
 use std::io;
@@ -18,20 +18,22 @@ impl StopFlag {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// Installs handlers: the first Ctrl-C or SIGTERM sets the flag, the second one ends the process at once.
+    /// Installs handlers: the first Ctrl-C, SIGTERM or SIGUSR1 sets the flag and is answered on `terminal`, if there is one. The second one ends
+    /// the process at once. Launchers of MPI pass SIGUSR1 on; of the others they end all processes.
     ///
     /// # Errors
     /// If the system refuses to install the handlers.
-    pub fn install(&self, terminal: &Terminal) -> io::Result<()> {
-        let mut signals = Signals::new([SIGINT, SIGTERM])?;
-        let (flag, terminal) = (self.clone(), terminal.clone());
+    pub fn install(&self, terminal: Option<&Terminal>) -> io::Result<()> {
+        let mut signals = Signals::new([SIGINT, SIGTERM, SIGUSR1])?;
+        let (flag, terminal) = (self.clone(), terminal.cloned());
         std::thread::spawn(move || {
             for signal in signals.forever() {
                 if flag.0.swap(true, Ordering::Relaxed) {
                     // Does not return: the process ends as if the signal had not been caught.
                     let _ = emulate_default_handler(signal);
                 }
-                terminal.print("finishing this slab, then writing a checkpoint; press again to stop at once");
+                let answer = "finishing this slab, then writing a checkpoint; press again to stop at once";
+                terminal.iter().for_each(|terminal| terminal.print(answer));
             }
         });
         Ok(())
@@ -46,10 +48,11 @@ mod tests {
 
     #[test]
     fn the_first_signal_sets_the_flag_and_the_process_lives() {
+        // The handler of a flag ends the process at a second signal, so that one kind of signal has to do.
         let flag = StopFlag::default();
-        flag.install(&Terminal::default()).unwrap();
+        flag.install(Some(&Terminal::default())).unwrap();
         assert!(!flag.is_set());
-        signal_hook::low_level::raise(SIGTERM).unwrap();
+        signal_hook::low_level::raise(SIGUSR1).unwrap();
         let begun = Instant::now();
         while !flag.is_set() && begun.elapsed() < Duration::from_secs(10) {
             std::thread::sleep(Duration::from_millis(1));

@@ -47,10 +47,15 @@ fn changes(changes: &[&str]) -> Vec<String> {
 /// A run of a shipped case has the same bits on 1, 2, 3 and 4 ranks of one and two threads. Returns the runs: the directory `1` is that on
 /// one rank.
 fn assert_ranks_leave_no_trace(case: &str, set: &[&str]) -> TempDir {
+    assert_same_bits_on(&[(1, 2), (2, 1), (3, 2), (4, 1)], case, set)
+}
+
+/// The same for pairs of numbers of ranks and of threads.
+fn assert_same_bits_on(numbers: &[(usize, usize)], case: &str, set: &[&str]) -> TempDir {
     let (directory, set) = (TempDir::new().unwrap(), changes(set));
     let at = |name: &str| directory.path().join(name);
     run(1, 1, case, &set, &at("1"), Existing::Keep);
-    for (ranks, threads) in [(1, 2), (2, 1), (3, 2), (4, 1)] {
+    for &(ranks, threads) in numbers {
         let name = format!("{ranks}_{threads}");
         run(ranks, threads, case, &set, &at(&name), Existing::Keep);
         assert_same_bits(&at("1"), &at(&name), &format!("{case}: {ranks} ranks of {threads} threads"));
@@ -72,6 +77,48 @@ fn a_moving_vortex_has_the_same_bits_on_any_number_of_ranks() {
     let error = |summary: &serde_json::Value| number(summary, "error.density_l2");
     let (four, one) = (error(&blocks), error(&summary(&directory)));
     assert!((four / one - 1.0).abs() < 1e-3, "{four} {one}");
+}
+
+/// Eight ranks, each with a block of some cells, most of them at cuts; stages from the fewest to the exact order of elimination.
+#[test]
+fn any_number_of_stages_has_the_same_bits_on_up_to_eight_ranks() {
+    let iterations = ["1", "3", "\"exact\""].map(|stages| {
+        let stages = format!("parallel.stages={stages}");
+        let set = [&VORTEX[..3], &["parallel.blocks=8", &stages]].concat();
+        let runs = assert_same_bits_on(&[(3, 2), (8, 1)], "vortex", &set);
+        number(&summary(&runs.path().join("8_1")), "krylov.total")
+    });
+    let directory = TempDir::new().unwrap();
+    let one_block = directory.path().join("run");
+    run(1, 1, "vortex", &changes(&VORTEX[..3]), &one_block, Existing::Keep);
+    let one = number(&summary(&one_block), "krylov.total");
+    // The exact order has the iterations of one block, up to round-off; the fewest stages need more.
+    assert!(iterations[0] >= iterations[2] && (iterations[2] / one - 1.0).abs() < 0.02, "{iterations:?} {one}");
+}
+
+#[test]
+fn a_wing_a_blade_and_a_flap_have_the_same_bits_on_any_number_of_ranks() {
+    let wing = ["mesh.generate.ellipsoid.cells=[4,2,4,4]", "flow.order=2", "time.end=0.1", "parallel.blocks=8"];
+    let blade = ["mesh.order=3", "flow.order=3", "time.end=0.1", "parallel.blocks=8"];
+    let flap = ["mesh.order=3", "flow.order=3", "time.end=0.1", "parallel.blocks=8"];
+    for (case, set) in [("flapping_wing_3d", wing), ("turbine_blade", blade), ("perpendicular_flap", flap)] {
+        assert_same_bits_on(&[(3, 2), (8, 1)], case, &set);
+    }
+}
+
+/// A checkpoint of other blocks is continued: the preconditioner is made anew.
+#[test]
+fn a_run_resumes_with_another_number_of_blocks() {
+    let place = TempDir::new().unwrap();
+    let directory = place.path().join("run");
+    let until =
+        |end: &str, blocks: usize| changes(&[&VORTEX[..2], &[end, &format!("parallel.blocks={blocks}")]].concat());
+    run(2, 1, "vortex", &until("time.end=0.4", 4), &directory, Existing::Keep);
+    for (end, blocks) in [("time.end=0.6", 7), ("time.end=0.8", 1), ("time.end=1", 3)] {
+        run(1, 1, "vortex", &until(end, blocks), &directory, Existing::Resume);
+    }
+    let mass = number(&summary(&directory), "conservation.mass_error");
+    assert!(mass < 1e-13, "{mass:.1e}");
 }
 
 #[test]

@@ -1,14 +1,14 @@
 //! `stsolve run` and `stsolve motion`
 
 use crate::cli::RunArguments;
+use crate::logging;
 use crate::observer::TerminalObserver;
 use crate::processes::{end_all_on_panic, threads_of_rank};
 use crate::signals::StopFlag;
-use crate::terminal::Terminal;
 use case::AnyCase;
 use simulation::{Destination, Existing, Failure};
 
-/// `stsolve run`, also as one of the processes that `mpirun` starts. The first one runs the case and tells of it.
+/// `stsolve run`, also as one of the processes that `mpirun` starts. The first one runs the case and prints all messages.
 ///
 /// # Errors
 /// As [`simulation::run_on`].
@@ -16,17 +16,30 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let communicator = message_passing::world().map_err(Failure::bad_input)?;
     end_all_on_panic(&communicator);
     // The mesh of the case is made by the threads asked for, so they come first.
-    set_threads(arguments.threads.map(usize::from).or_else(|| threads_of_rank(&*communicator)))?;
-    let case = AnyCase::read(&arguments.case.case, &arguments.case.set);
+    let threads = arguments.threads.map(usize::from).or_else(|| threads_of_rank(&*communicator));
+    let begun = set_threads(threads).and_then(|()| begin(arguments, communicator.rank()));
+    let case = simulation::agree(&*communicator, begun);
     if communicator.rank() > 0 {
-        // What is wrong with a case is told by the first process. It also stops the run after a signal.
-        StopFlag::default().install(&Terminal::default()).map_err(Failure::bad_input)?;
+        // What is wrong is told by the first process.
         case.iter().for_each(|case| simulation::serve(case, &communicator));
         return Ok(());
     }
     let case = case?;
     let observer = TerminalObserver::new(arguments, "run");
     simulation::run_on(communicator, &case, &destination(arguments, &case), &observer).map(drop)
+}
+
+/// Reads the case. A process other than the first one leaves signals to that one.
+fn begin(arguments: &RunArguments, rank: usize) -> Result<AnyCase, Failure> {
+    let case = AnyCase::read(&arguments.case.case, &arguments.case.set)?;
+    if rank > 0 {
+        StopFlag::default().install(None).map_err(Failure::bad_input)?;
+    }
+    if rank > 0 && arguments.log_ranks {
+        let directory = destination(arguments, &case).directory;
+        logging::start_of_rank(&directory, rank, !arguments.force).map_err(Failure::bad_input)?;
+    }
+    Ok(case)
 }
 
 /// `stsolve motion`
