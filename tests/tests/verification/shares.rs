@@ -84,8 +84,7 @@ where
     setting
 }
 
-/// On three ranks everything has the bits of the whole mesh. A product sends one message to every neighbour: the coefficients of the cells
-/// that are ghosts there.
+/// On three ranks everything has the bits of the whole mesh. A product sends one message to every neighbour: the traces at the cut.
 fn assert_shares_make_the_whole<const D: usize, const M: usize>(cells: usize)
 where
     Exact<FreeStream<D>>: StateField<D, M>,
@@ -93,7 +92,7 @@ where
 {
     let mesh = curved_box::<D>(cells, 3);
     let of_cell = mesh::blocks(&mesh, BLOCKS).unwrap();
-    let blocks = Blocks { colours: mesh::colours(&mesh, &of_cell), of_cell };
+    let blocks = Blocks { of_cell, groups: 1 };
     for rule in RULES {
         let setting = setting::<D, M>(&mesh, rule);
         let whole = setting.evaluate::<M>(Share::whole(&mesh), || ());
@@ -101,11 +100,12 @@ where
             let counting = Arc::new(Counting::new(communicator));
             let sums = Arc::new(Sums::new(counting.clone() as Arc<dyn Communicator>, BLOCKS));
             let share = Share::new(&mesh, &blocks, sums);
-            let sent: Vec<(usize, usize)> = share.sent().collect();
+            let sent: Vec<(usize, usize)> = share.cut_facets().collect();
             let traffic = std::sync::Mutex::new(Traffic::default());
             let found = setting.evaluate::<M>(share, || *traffic.lock().unwrap() = counting.reset());
-            let (traffic, cell_len) = (traffic.into_inner().unwrap(), 2 * M * 3_usize.pow(D as u32));
-            let bytes: usize = sent.iter().map(|(_, cells)| 8 * cells * cell_len).sum();
+            // Values and derivatives, at two times, of all components at the nodes of a face.
+            let (traffic, face_len) = (traffic.into_inner().unwrap(), 2 * 2 * M * 3_usize.pow(D as u32 - 1));
+            let bytes: usize = sent.iter().map(|(_, facets)| 8 * facets * face_len).sum();
             assert_eq!((traffic.messages, traffic.bytes), (sent.len() as u64, bytes as u64));
             assert_eq!((traffic.exchanges, traffic.collectives), (1, 0));
             found
