@@ -156,28 +156,21 @@ function showPictures() {
   cut.addEventListener("input", show);
   element("mesh-lines").addEventListener("change", show);
 
-  /* A picture with its legend and time, as the page shows it. */
-  const LEGEND = 84;
-  async function paint(canvas, frame) {
-    const [quantity, window] = [pictures.quantities[chosen("quantity")], pane()];
-    const layers = [window.pictures[chosen("quantity")][frame][0], window.outline[frame]];
-    if (element("mesh-lines").checked) layers.push(window.mesh[frame]);
-    const images = layers.map((source) => Object.assign(new Image(), { src: source }));
-    await Promise.all(images.map((image) => image.decode()));
-    const pen = canvas.getContext("2d");
-    pen.fillStyle = style("--ground");
-    pen.fillRect(0, 0, canvas.width, canvas.height);
-    pen.fillStyle = quantity.ground || style("--panel");
-    pen.fillRect(0, 0, window.width, window.height);
+  /* A picture with its legend and time, as the page shows it; small pictures are enlarged, so that the legend has room. */
+  const [LEGEND, LEAST_WIDTH] = [84, 640];
+  const savedScale = () => Math.max(1, LEAST_WIDTH / pane().width);
+  function paintField(pen, images, scale) {
+    const [width, height] = [scale * pane().width, scale * pane().height];
     pen.save();
     pen.beginPath();
-    pen.rect(0, 0, window.width, window.height);
+    pen.rect(0, 0, width, height);
     pen.clip();
-    pen.translate(-view.x * window.width, -view.y * window.height);
-    pen.scale(view.zoom, view.zoom);
+    pen.translate(-view.x * width, -view.y * height);
+    pen.scale(scale * view.zoom, scale * view.zoom);
     images.forEach((image) => pen.drawImage(image, 0, 0));
     pen.restore();
-    const [left, width, top] = [window.width / 4, window.width / 2, window.height + 30];
+  }
+  function paintLegend(pen, quantity, text, [left, width, top]) {
     const colours = pen.createLinearGradient(left, 0, left + width, 0);
     const stops = quantity.colours.match(/#[0-9a-f]{6}/g);
     stops.forEach((colour, i) => colours.addColorStop(i / (stops.length - 1), colour));
@@ -186,13 +179,29 @@ function showPictures() {
     pen.fillStyle = style("--ink");
     pen.font = "16px system-ui, sans-serif";
     pen.textAlign = "center";
-    const place = window.cut ? `${window.cut.axis} = ${short(window.cut.positions[frame], 4)},  ` : "";
-    const t = window.cut ? shownTime() : pictures.times[frame];
-    pen.fillText(`${quantity.label},  ${place}t = ${short(t, 4)}`, left + width / 2, top - 9);
-    quantity.ticks.forEach(([part, text]) => pen.fillText(text, left + part * width, top + 34));
+    pen.fillText(text, left + width / 2, top - 9);
+    quantity.ticks.forEach(([part, tick]) => pen.fillText(tick, left + part * width, top + 34));
+  }
+  async function paint(canvas, number) {
+    const [quantity, window, scale] = [pictures.quantities[chosen("quantity")], pane(), savedScale()];
+    const layers = [window.pictures[chosen("quantity")][number][0], window.outline[number]];
+    if (element("mesh-lines").checked) layers.push(window.mesh[number]);
+    const images = layers.map((source) => Object.assign(new Image(), { src: source }));
+    await Promise.all(images.map((image) => image.decode()));
+    const pen = canvas.getContext("2d");
+    pen.fillStyle = style("--ground");
+    pen.fillRect(0, 0, canvas.width, canvas.height);
+    pen.fillStyle = quantity.ground || style("--panel");
+    pen.fillRect(0, 0, canvas.width, canvas.height - LEGEND);
+    paintField(pen, images, scale);
+    const place = window.cut ? `${window.cut.axis} = ${short(window.cut.positions[number], 4)},  ` : "";
+    const t = window.cut ? shownTime() : pictures.times[number];
+    const bar = [canvas.width / 4, canvas.width / 2, canvas.height - LEGEND + 30];
+    paintLegend(pen, quantity, `${quantity.label},  ${place}t = ${short(t, 4)}`, bar);
   }
   function canvasOf() {
-    return Object.assign(document.createElement("canvas"), { width: pane().width, height: pane().height + LEGEND });
+    const [width, height] = [pane().width, pane().height].map((pixels) => Math.round(savedScale() * pixels));
+    return Object.assign(document.createElement("canvas"), { width, height: height + LEGEND });
   }
   element("save-picture").addEventListener("click", async () => {
     const canvas = canvasOf();
