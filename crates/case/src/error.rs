@@ -278,6 +278,7 @@ impl Cause {
                 let accepted = format!("its settings in a table: `{{ {name} = {{ ... }} }}`");
                 Cause::Type { found: format!("`{name}` alone"), accepted }
             }
+            Some((found, _)) if found.ends_with("as i128") || found.ends_with("as u128") => too_large(),
             Some((found, expected)) => {
                 Cause::Type { found: shortened(found, LONGEST_VALUE), accepted: plain_type(expected) }
             }
@@ -297,10 +298,7 @@ impl Cause {
                 let accepted = meant.unwrap_or_default() + &quoted(&choices());
                 Cause::Type { found: "neither a name in quotes nor a table".to_owned(), accepted }
             }
-            None if message.ends_with("value was too large") => Cause::OutOfRange {
-                quantity: "the whole number".to_owned(),
-                accepted: "a whole number below 2^63".to_owned(),
-            },
+            None if message.ends_with("value was too large") => too_large(),
             None => Cause::Toml(message.replace("missing field", "missing key")),
         }
     }
@@ -343,6 +341,11 @@ impl Cause {
             _ => None,
         }
     }
+}
+
+/// A whole number that no integer of TOML holds.
+fn too_large() -> Cause {
+    Cause::OutOfRange { quantity: "the whole number".to_owned(), accepted: "a whole number below 2^63".to_owned() }
 }
 
 /// The words of a case file for a type of Rust as serde names it.

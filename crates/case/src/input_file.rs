@@ -40,13 +40,19 @@ pub fn read(path: &Path, most: u64) -> Result<Vec<u8>> {
     }
 }
 
-/// As [`read`], for a text.
+/// As [`read`], for a text. The mark with which some editors begin a file (U+FEFF) is left out.
 ///
 /// # Errors
 /// As [`read`], and if the bytes are not UTF-8.
 pub fn read_text(path: &Path, most: u64) -> Result<String> {
-    let text = String::from_utf8(read(path, most)?);
-    text.map_err(|_| Error::new(ErrorKind::InvalidData, "stream did not contain valid UTF-8"))
+    /// The mark that tells the order of bytes.
+    const MARK: char = '\u{feff}';
+    let problem = "it is no text in UTF-8: save it in this encoding";
+    let text = String::from_utf8(read(path, most)?).map_err(|_| Error::new(ErrorKind::InvalidData, problem))?;
+    match text.strip_prefix(MARK) {
+        Some(rest) => Ok(rest.to_owned()),
+        None => Ok(text),
+    }
 }
 
 fn too_large(length: u64, most: u64) -> String {
@@ -65,6 +71,9 @@ mod tests {
         let path = directory.path().join("file");
         std::fs::write(&path, "12345").unwrap();
         assert_eq!(read_text(&path, 5).unwrap(), "12345");
+        std::fs::write(&path, "\u{feff}1").unwrap();
+        assert_eq!(read_text(&path, 5).unwrap(), "1", "without the mark");
+        std::fs::write(&path, "12345").unwrap();
         assert!(read(&path, 4).unwrap_err().to_string().starts_with("it has 0.0 MB or more"));
         let error = read(directory.path(), 9).unwrap_err().to_string();
         assert_eq!(error, "it is a directory, and a regular file is expected");

@@ -92,6 +92,20 @@ pub(super) fn check<const D: usize>(
     Ok(assembled(raw, order, numerics, given, of_gas))
 }
 
+/// The errors of `[flow]` in the parts that need no time, for a case whose time is wrong.
+pub(super) fn check_without_time<const D: usize>(
+    checker: &Checker<'_>,
+    raw: &raw::Flow,
+    mesh: &Mesh<D>,
+) -> Checked<()> {
+    let key = Key::new("flow");
+    let mut errors = Errors::default();
+    errors.note(super::order(checker, &key.child("order"), "the order of the flow", raw.order));
+    errors.note(Numerics::check(checker, &key, raw, mesh));
+    errors.note(given::check::<D>(checker, &key, raw));
+    errors.all()
+}
+
 /// Settings of the discretisation that do not depend on the gas.
 struct Numerics {
     quadrature: fem::Quadrature,

@@ -249,6 +249,10 @@ impl<const D: usize> Independent<D> {
                 let structure = structure.map(|raw| structure::check(checker, raw, &mesh, part, time));
                 Some((errors.note(flow.transpose()), errors.note(structure.transpose()), mesh))
             }
+            (None, Some((mesh, _))) => {
+                errors.note(raw.flow.as_ref().map_or(Ok(()), |flow| flow::check_without_time(checker, flow, &mesh)));
+                None
+            }
             _ => None,
         };
         errors.note(solver::check(checker, &raw.solver));

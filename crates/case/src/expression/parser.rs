@@ -35,7 +35,7 @@ pub(super) fn parse(text: &str, names: &Names) -> Parsed<Program> {
     let mut parser = Parser { text, names, tokens, next: 0, depth: 0, height: 0, instructions: Vec::new() };
     parser.comparison()?;
     if parser.token().kind != Kind::End {
-        return Err(parser.unexpected("an operator or the end of the expression"));
+        return Err(parser.unexpected("an operator such as `*`, or the end of the expression"));
     }
     Ok(Program { instructions: parser.instructions })
 }
@@ -125,7 +125,7 @@ impl Parser<'_> {
             Kind::Symbol("(") => {
                 self.next += 1;
                 self.comparison()?;
-                self.expect(")", "`)` or an operator")
+                self.expect(")", "`)` or an operator such as `*`")
             }
             _ => Err(self.unexpected("a number, a name or `(`")),
         }
@@ -169,7 +169,7 @@ impl Parser<'_> {
                 }
             }
         }
-        self.expect(")", "`,`, `)` or an operator")?;
+        self.expect(")", "`,`, `)` or an operator such as `*`")?;
         let takes = callable.arguments();
         if found != takes {
             self.next = start;

@@ -14,7 +14,7 @@ pub struct Parallel {
     pub blocks: usize,
     /// The number of groups of cells that the preconditioner `"blocks"` eliminates one after the other, in all blocks at the same time.
     /// `"exact"` keeps the order of elimination of a mesh in one block. More groups save iterations if there are many blocks, but cost
-    /// messages: each group takes up to three rounds of messages in a sweep.
+    /// messages: each group takes some rounds of messages in a sweep.
     pub stages: Stages,
 }
 

@@ -11,6 +11,7 @@ const BAD: &[(&str, &str, &[&str])] = &[
     ("order = 4", "order = 17", &["`flow.order = 17`", "2 to 16 nodes"]),
     ("order = 4", "order = -4", &["`flow.order = -4`", "a whole number"]),
     ("order = 4", "order = 18446744073709551615", &["`flow.order = 18446744073709551615`", "below 2^63"]),
+    ("order = 4", "order = 1000000000000000000000", &["1000000000000000000000`", "below 2^63"]),
     ("order = 4", "", &["`flow`", "missing key `order`"]),
     ("order = 4", "order = ", &["expected"]),
     ("left = { displacement", "left = { displacement = [0, 0 }", &["expected"]),
@@ -662,5 +663,14 @@ fn sections_without_what_they_belong_to_are_refused() {
     ] {
         let message = check_text(text, &[option]).unwrap_err().to_string();
         assert!(message.contains(accepted) && (message.contains(key) || message.contains("--set")), "{message}");
+    }
+}
+
+/// A wrong time does not hide what is wrong with the flow.
+#[test]
+fn a_bad_time_does_not_hide_the_flow() {
+    let error = check_text(BASE, &["time.order=99", "flow.order=0", "flow.gas.gamma=0.5"]).unwrap_err().to_string();
+    for part in ["time.order=99", "flow.order=0", "flow.gas.gamma=0.5"] {
+        assert!(error.contains(part), "no {part} in {error}");
     }
 }

@@ -35,7 +35,7 @@ pub(super) struct Warning {
 pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
     let of_flow = facts.case.flow.as_ref().map(|flow| {
         let of_boundaries = [body(facts, flow), friction(facts, flow), exact(flow), far_field(facts, flow)];
-        let of_start = [start(facts, flow), sudden_flow(facts, flow), sutherland(flow)];
+        let of_start = [start(facts, flow), sudden_flow(facts, flow), sutherland(flow), gamma(flow)];
         let of_resolution =
             [quadrature(facts, flow), layer(facts, flow), free_flow(facts, flow), mach(flow), lines(facts, flow)];
         of_boundaries.into_iter().chain(of_start).chain(of_resolution)
@@ -128,6 +128,20 @@ fn start<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning
          rest, for instance multiplied by (1 - exp(-(t/T)^2)), or a table with `ends = \"at_rest\"`"
     );
     warning("start of the motion", text)
+}
+
+/// The largest ratio of specific heats of any gas, that of one atom.
+const LARGEST_GAMMA: f64 = 5.0 / 3.0;
+
+/// No gas has a larger ratio of specific heats than one of single atoms.
+fn gamma<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
+    let gamma = flow.law.gas.gamma();
+    // 1.667 is a usual value.
+    if gamma < LARGEST_GAMMA + 1e-3 {
+        return None;
+    }
+    let text = format!("`flow.gas.gamma` of {gamma} is larger than that of any gas, 1 to 5/3: 1.4 for air");
+    warning("ratio of specific heats", text)
 }
 
 /// Sutherland's law depends on the temperature itself, which depends on the gas constant: with R left at 1 it is p /
