@@ -51,7 +51,7 @@ DRAWN = {
     "sod": ("density", {}),
     "sphere_300": ("mach", {"window": VORTICES, "q_level": 0.02}),
     "taylor_green_3d": ("mach", {"window": VORTICES}),
-    "turek_hron_fsi1": ("vorticity", {"range": "-5,5"}),
+    "turek_hron_fsi1": ("vorticity", {"range": "-10,10"}),
     "turek_hron_fsi2": ("vorticity", {"range": "-50,50"}),
     "turek_hron_fsi3": ("vorticity", {"range": "-100,100"}),
     "vortex": ("vorticity", {}),
