@@ -14,6 +14,7 @@ mod controls;
 mod meshes;
 mod motions;
 mod outflows;
+mod parallel;
 mod rotation;
 mod tables;
 

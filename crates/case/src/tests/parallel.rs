@@ -1,0 +1,18 @@
+//! `[parallel]`
+
+use super::*;
+
+#[test]
+fn stages_are_a_number_or_exact() {
+    assert_eq!((plane(BASE, &[]).blocks, plane(BASE, &[]).stages), (1, 1));
+    let stages = |value: &str| plane(BASE, &["parallel.blocks=4", &format!("parallel.stages={value}")]).stages;
+    assert_eq!((stages("3"), stages("\"exact\"")), (3, usize::MAX));
+}
+
+#[test]
+fn other_stages_are_refused() {
+    for value in ["0", "-1", "1.5", "\"all\"", "[1]"] {
+        let error = check_text(BASE, &[&format!("parallel.stages={value}")]).unwrap_err().to_string();
+        assert!(error.contains("parallel.stages") && error.contains("a whole number"), "{value}: {error}");
+    }
+}
