@@ -8,6 +8,9 @@ use serde::de::{Deserialize, DeserializeOwned, Error, SeqAccess, Unexpected, Vis
 use std::fmt;
 use std::marker::PhantomData;
 
+/// The value of a list of entries.
+type FromList<T, Entry> = fn(Vec<Entry>) -> T;
+
 /// A value that is a text, and may be a number, a whole number or a list instead.
 pub(super) trait OneOf: Sized {
     /// The entries of a list.
@@ -21,7 +24,7 @@ pub(super) trait OneOf: Sized {
     /// The value of a whole number, if only those are accepted.
     const OF_WHOLE: Option<fn(usize) -> Self> = None;
     /// The value of a list, if that is accepted.
-    const OF_LIST: Option<fn(Vec<Self::Entry>) -> Self> = None;
+    const OF_LIST: Option<FromList<Self, Self::Entry>> = None;
 }
 
 /// Reads a value of several types.
