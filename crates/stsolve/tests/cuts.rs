@@ -326,4 +326,12 @@ fn the_result_holds_fields_by_formulas() {
     let info = stsolve(directory.path(), &["info", "run/result.vtkhdf", "--json"]);
     let fields: serde_json::Value = serde_json::from_str(&info.stdout).unwrap();
     assert!(fields.to_string().contains("\"residue\""), "{fields}");
+    // Internals are shown to those who ask for them.
+    for (verbose, shown) in [(&["info", "run"][..], false), (&["info", "-v", "run"], true)] {
+        let text = stsolve(directory.path(), verbose).stdout;
+        assert!(text.contains("residue") && text.contains("written by"), "{text}");
+        for part in ["fingerprint", "checkpoint", "reuse.base"] {
+            assert_eq!(text.contains(part), shown, "{part}: {text}");
+        }
+    }
 }
