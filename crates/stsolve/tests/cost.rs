@@ -65,6 +65,31 @@ fn calls_are_the_same_in_every_run_and_a_quiet_run_tells_nothing() {
     assert_eq!(calls[0], calls[1]);
 }
 
+/// A motion of the mesh in a slab is proved once. A linear law has one motion a slab; with another law every iterate is proved.
+#[test]
+fn no_motion_of_the_mesh_is_proved_twice() {
+    let directory = TempDir::new().unwrap();
+    let bent = [
+        "mesh.generate.box.cells=[3,3]",
+        "time.step=0.2",
+        "time.end=1",
+        "motion.boundary={others={displacement=[\"0.2*t*sin(0.3*y)\",\"0.3*t*sin(0.4*x)\"]}}",
+    ];
+    let linear: &[&str] = &[];
+    let (neo_hookean, joint) = ("motion.elasticity.law=\"neo_hookean\"", "solver.predictor=\"extrapolate\"");
+    for (command, name, set, proofs) in [
+        ("run", "linear", linear, 5.0),
+        ("motion", "linear alone", linear, 5.0),
+        ("run", "neo-Hookean", &[neo_hookean], 16.0),
+        ("motion", "neo-Hookean alone", &[neo_hookean], 10.0),
+        ("run", "solved with the flow", &[neo_hookean, joint], 16.0),
+    ] {
+        on_case(directory.path(), command, "vortex", &[&bent[..], set].concat(), name, &[]).expect(0, &[]);
+        let summary = summary(&directory.path().join(name));
+        assert_eq!((number(&summary, "slabs"), parts(&summary)["mesh_proof"].1), (5.0, proofs), "{name}");
+    }
+}
+
 /// Time within a span belongs to that span alone, and all parts together are the wall time.
 #[test]
 fn parts_add_up_to_the_wall_time() {
