@@ -47,12 +47,11 @@ impl Ordering {
     }
 
     /// The own cells of a rank in the order `own` in each stage, and the ghosts after the own cells of their stage. `stages` are those of own
-    /// cells and ghosts.
-    pub fn of_own(own: &[usize], level_ends: Vec<usize>, stages: &[usize]) -> Self {
+    /// cells and ghosts; there are `count` of them in the whole mesh, some without cells of this rank.
+    pub fn of_own(own: &[usize], level_ends: Vec<usize>, stages: &[usize], count: usize) -> Self {
         let mut cells: Vec<usize> = own.iter().copied().chain(own.len()..stages.len()).collect();
         let place = |cell: usize| (stages[cell], cell >= own.len());
         cells.sort_by_key(|&cell| place(cell));
-        let count = stages.iter().max().map_or(1, |stage| stage + 1);
         let position = |stage: usize, ghosts: bool| cells.partition_point(|&cell| place(cell) < (stage, ghosts));
         let mut before = 0;
         let stage = |number: usize| {
@@ -67,7 +66,7 @@ impl Ordering {
     /// The order of cells that are in one stage.
     pub fn whole(cells: Vec<usize>, level_ends: Vec<usize>) -> Self {
         let stages = vec![0; cells.len()];
-        Self::of_own(&cells, level_ends, &stages)
+        Self::of_own(&cells, level_ends, &stages, 1)
     }
 
     /// The order of own cells without ghosts in stages with these ends, in increasing order.
@@ -76,7 +75,7 @@ impl Ordering {
         for (position, &cell) in cells.iter().enumerate() {
             stages[cell] = stage_ends.partition_point(|&end| end <= position);
         }
-        Self::of_own(cells, level_ends, &stages)
+        Self::of_own(cells, level_ends, &stages, stage_ends.len())
     }
 
     /// Own cells in their order.
@@ -131,13 +130,15 @@ pub fn minimum_discarded_fill(
     let mut own: Vec<usize> = (0..links.len()).collect();
     own.sort_by_key(|&cell| (stages[number[cell]], position[number[cell]]));
     let links: Vec<Vec<Link>> = (0..links.len()).map(|cell| in_block(&links[cell], cell, share)).collect();
+    // Ranks wait for each other after every stage, so all count the same stages.
+    let count = stages.iter().max().map_or(1, |stage| stage + 1);
     let stages: Vec<usize> = number.iter().map(|&cell| stages[cell]).collect();
-    by_level(own, &links, &stages)
+    by_level(own, &links, &stages, count)
 }
 
 /// The order by the strength |A_ii^{-1} A_ik| of every link of the own cell i, where no link leads to another block.
 pub fn minimum_discarded_fill_of(links: &[Vec<Link>], strengths: &[Vec<f64>]) -> Ordering {
-    by_level(eliminate(&Graph::of_own(links, strengths)), links, &vec![0; links.len()])
+    by_level(eliminate(&Graph::of_own(links, strengths)), links, &vec![0; links.len()], 1)
 }
 
 /// The links of `cell` inside of its block.
@@ -173,7 +174,7 @@ fn inverse(order: &[usize]) -> Vec<usize> {
 }
 
 /// Sorts the positions of each stage into levels: the factor is the same for every order that keeps each pair of neighbours in theirs.
-fn by_level(order: Vec<usize>, links: &[Vec<Link>], stages: &[usize]) -> Ordering {
+fn by_level(order: Vec<usize>, links: &[Vec<Link>], stages: &[usize], count: usize) -> Ordering {
     let rank = inverse(&order);
     let mut level = vec![0_usize; order.len()];
     for &cell in &order {
@@ -189,5 +190,5 @@ fn by_level(order: Vec<usize>, links: &[Vec<Link>], stages: &[usize]) -> Orderin
         Some(*end)
     };
     let level_ends = levels.scan(0, end).collect();
-    Ordering::of_own(&cells, level_ends, stages)
+    Ordering::of_own(&cells, level_ends, stages, count)
 }

@@ -20,9 +20,9 @@ pub fn own_linearisation(whole: Linearisation, share: &Share) -> Linearisation {
     let mut local = vec![None; whole.ordering.cells.len()];
     share.own.iter().enumerate().for_each(|(number, &cell)| local[cell] = Some(number));
     let own: Vec<usize> = whole.ordering.own().filter_map(|cell| local[cell]).collect();
-    let of_whole = whole.ordering.stages_of_cells();
+    let (of_whole, count) = (whole.ordering.stages_of_cells(), whole.ordering.stages.len());
     let stages: Vec<usize> = share.cells().map(|cell| of_whole[cell]).collect();
-    Linearisation { state, ordering: Ordering::of_own(&own, vec![own.len()], &stages), ..whole }
+    Linearisation { state, ordering: Ordering::of_own(&own, vec![own.len()], &stages, count), ..whole }
 }
 
 /// Replaces `whole` on rank 0 by the state of all ranks. A collective call.
@@ -56,6 +56,7 @@ pub(super) fn in_whole((joined, places): (Linearisation, Vec<f64>), blocks: &[us
     let stages: Vec<usize> = places.iter().map(|[stage, _]| *stage as usize).collect();
     let mut cells: Vec<usize> = (0..places.len()).collect();
     cells.sort_by(|&a, &b| blocks[a].cmp(&blocks[b]).then(places[a][1].total_cmp(&places[b][1])));
-    let ordering = Ordering::of_own(&cells, vec![cells.len()], &stages);
+    let count = stages.iter().max().map_or(1, |stage| stage + 1);
+    let ordering = Ordering::of_own(&cells, vec![cells.len()], &stages, count);
     Linearisation { ordering, ..joined }
 }
