@@ -31,7 +31,7 @@ const CYLINDER: &[&str] = &[
     "flow.order=3",
     "solver.slab_halvings=0",
 ];
-const AIRFOIL: &[&str] = &["mesh.order=3", "flow.order=3"];
+const AIRFOIL: &[&str] = &["mesh.order=4", "flow.order=4"];
 const DISC: &[&str] =
     &["mesh.order=3", "flow.order=3", "mesh.generate.disc.radial_cells=1", "time.slabs=10", "solver.slab_halvings=2"];
 
@@ -75,9 +75,9 @@ const FAULTS: [Fault; 16] = [
         small: AIRFOIL,
         spoil: &[
             "flow.gas={viscosity=\"inviscid\"}",
-            "flow.initial={uniform={velocity=[1,0],mach=0.8}}",
-            "flow.boundary={airfoil=\"slip_wall\",far={far_field={velocity=[1,0],mach=0.8}}}",
-            "solver.steady={steps=20}",
+            "flow.initial={uniform={velocity=[1,0],mach=0.85}}",
+            "flow.boundary={airfoil=\"slip_wall\",far={far_field={velocity=[1,0],mach=0.85}}}",
+            "solver={steady={steps=12}}",
         ],
         cause: "shock",
     },
