@@ -216,7 +216,7 @@ fn other_processes_log_on_demand() {
     let (code, message) = end_of(start(directory.path(), &[alike(3, &short)]));
     assert_eq!(code, Some(0), "{message}");
     let log = |name: &str| fs::read_to_string(directory.path().join("run").join(name)).unwrap();
-    let steps = |log: &str| log.lines().filter(|line| line.contains("newton step")).count();
+    let steps = |log: &str| log.lines().filter(|line| line.contains("\"Newton step\"")).count();
     let first = steps(&log("log.jsonl"));
     assert!(first > 0);
     for rank in [1, 2] {

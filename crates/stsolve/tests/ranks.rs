@@ -210,6 +210,24 @@ fn a_failure_ends_all_ranks_with_the_same_message() {
     assert_same_bits(&directory.path().join("1"), &directory.path().join("3"), "the last good state");
 }
 
+/// The others do not wait for a rank whose case has an error.
+#[test]
+fn a_case_that_one_rank_cannot_read_is_an_error_of_all() {
+    for bad in 0..3 {
+        let messages = Threads::run(3, |communicator| {
+            let set = changes(if communicator.rank() == bad { &["flow.order=none"] } else { &[] });
+            let read = AnyCase::read(Path::new(&shipped("vortex.toml")), &set).map_err(Failure::from);
+            match simulation::agree(&*communicator, read) {
+                Err(Failure::BadInput(error)) => error.chain().map(ToString::to_string).collect::<Vec<_>>().join(": "),
+                _ => panic!("rank {} has a case", communicator.rank()),
+            }
+        });
+        assert!(messages.iter().all(|message| *message == messages[0]), "{messages:?}");
+        assert!(messages[0].contains("flow.order"), "{messages:?}");
+        assert_eq!(messages[0].contains(&format!("process {bad}")), bad > 0, "{messages:?}");
+    }
+}
+
 #[test]
 fn more_ranks_than_blocks_are_refused() {
     let directory = TempDir::new().unwrap();
