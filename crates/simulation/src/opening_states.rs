@@ -2,26 +2,59 @@
 //!
 //! ```text
 //! <q> = int q rho (w - v) . n dA / int rho (w - v) . n dA,     q = p (1 + (gamma - 1)/2 M^2)^(gamma/(gamma - 1)), T (1 + (gamma - 1)/2 M^2), p
+//! <w_n> = int w . n dA / int dA
+//! loss = ( <p_0> of the inflow - <p_0> of the outflow ) / ( <p_0> - <p> of the outflow )
 //! ```
 //!
-//! for an observer at rest, with the velocities w of the gas and v of the boundary: total pressure, total temperature, static pressure.
+//! for an observer at rest, with the velocities w of the gas and v of the boundary: total pressure, total temperature, static pressure, normal
+//! velocity. A case with one inflow and one outflow has a loss.
 
 use super::history::openings;
 use case::{Case, Flow};
 use coupled::MeshMover;
 use fem::functions_at;
 use mesh::{BoundaryFacet, CellMap, axis_and_side, outward_area};
-use navier_stokes::{Gas, Primitive};
+use navier_stokes::{Boundary, Gas, Primitive};
 use report::fields::total_state;
-use tensor::dot;
+use tensor::{dot, norm};
 
-const NAMES: [&str; 3] = ["total_pressure", "total_temperature", "pressure"];
+const NAMES: [&str; 4] = ["total_pressure", "total_temperature", "pressure", "velocity"];
 
 /// The names of the columns.
 pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
     let Some(flow) = &case.flow else { return Vec::new() };
     let name = |boundary: usize| &case.mesh.boundary_names()[boundary];
-    openings(flow).flat_map(|boundary| NAMES.map(|column| format!("{}_{column}", name(boundary)))).collect()
+    let of_openings = openings(flow).flat_map(|boundary| NAMES.map(|column| format!("{}_{column}", name(boundary))));
+    of_openings.chain(passage(flow).map(|_| "loss_coefficient".to_owned())).collect()
+}
+
+/// The places of the inflow and of the outflow among the openings, if there is one of each.
+fn passage<const D: usize>(flow: &Flow<D>) -> Option<[usize; 2]> {
+    let is_outflow = |boundary: usize| matches!(flow.boundary[boundary].condition, Boundary::Outflow(_));
+    match openings(flow).map(is_outflow).collect::<Vec<bool>>()[..] {
+        [false, true] => Some([0, 1]),
+        [true, false] => Some([1, 0]),
+        _ => None,
+    }
+}
+
+/// Integrals over a boundary.
+#[derive(Default)]
+struct Sums {
+    area: f64,
+    /// w . n
+    volume: f64,
+    /// rho (w - v) . n, and that times each quantity.
+    mass: f64,
+    carried: [f64; 3],
+}
+
+impl Sums {
+    /// The means, in the order of [`NAMES`].
+    fn means(&self) -> [f64; NAMES.len()] {
+        let [total_pressure, total_temperature, pressure] = self.carried.map(|sum| sum / self.mass);
+        [total_pressure, total_temperature, pressure, self.volume / self.area]
+    }
 }
 
 /// The points of one face of the reference cell.
@@ -77,7 +110,7 @@ pub struct OpeningStates<'a, const D: usize> {
     pub flow: &'a Flow<D>,
     /// The mesh.
     pub mover: &'a MeshMover<D>,
-    /// Its displacement, and its velocity; empty where that is not known.
+    /// Its displacement, and its velocity; empty if the velocity is not known.
     pub motion: [&'a [f64]; 2],
     /// The state of a cell, `[component][node]`.
     pub state: &'a dyn Fn(usize) -> &'a [f64],
@@ -91,18 +124,23 @@ impl<const D: usize> OpeningStates<'_, D> {
             return Vec::new();
         }
         let faces: Vec<FacePoints<D>> = (0..2 * D).map(|face| FacePoints::new(face, order, mesh.order())).collect();
-        let mean = |boundary: usize| {
-            let mut sums = [0.0; NAMES.len() + 1];
+        let means = |boundary: usize| {
+            let mut sums = Sums::default();
             for facet in mesh.boundary_facets().iter().filter(|facet| facet.boundary == boundary) {
                 self.add::<M>(facet, &faces[facet.side.face], &mut sums);
             }
-            std::array::from_fn::<f64, { NAMES.len() }, _>(|q| sums[q + 1] / sums[0])
+            sums.means()
         };
-        openings(self.flow).flat_map(mean).collect()
+        let states: Vec<_> = openings(self.flow).map(means).collect();
+        let loss = passage(self.flow).map(|[inflow, outflow]| {
+            let ([before, ..], [after, _, pressure, _]) = (states[inflow], states[outflow]);
+            (before - after) / (after - pressure)
+        });
+        states.iter().flatten().copied().chain(loss).collect()
     }
 
-    /// Adds a facet: the mass flow, and that times each quantity.
-    fn add<const M: usize>(&self, facet: &BoundaryFacet, points: &FacePoints<D>, sums: &mut [f64]) {
+    /// Adds a facet.
+    fn add<const M: usize>(&self, facet: &BoundaryFacet, points: &FacePoints<D>, sums: &mut Sums) {
         let (cell, face) = (facet.side.cell, facet.side.face);
         let nodal = by_node::<D>(&self.mover.cell_positions(cell, self.motion[0]));
         let state = (self.state)(cell);
@@ -113,8 +151,10 @@ impl<const D: usize> OpeningStates<'_, D> {
             let (normal, velocity) = (outward_area(&jacobian, face), self.velocity(cell, of_mesh));
             let relative: [f64; D] = std::array::from_fn(|i| gas.velocity[i] - velocity[i]);
             let mass = weight * gas.density * dot(&relative, &normal);
-            sums[0] += mass;
-            sums[1..].iter_mut().zip(quantities(&self.flow.law.gas, &gas)).for_each(|(sum, q)| *sum += mass * q);
+            sums.mass += mass;
+            sums.carried.iter_mut().zip(quantities(&self.flow.law.gas, &gas)).for_each(|(sum, q)| *sum += mass * q);
+            sums.area += weight * norm(&normal);
+            sums.volume += weight * dot(&gas.velocity, &normal);
         }
     }
 
@@ -127,7 +167,7 @@ impl<const D: usize> OpeningStates<'_, D> {
 }
 
 /// Total pressure, total temperature, pressure.
-fn quantities<const D: usize>(gas: &Gas, at: &Primitive<f64, D>) -> [f64; NAMES.len()] {
+fn quantities<const D: usize>(gas: &Gas, at: &Primitive<f64, D>) -> [f64; 3] {
     let [pressure, temperature] = total_state(gas, at);
     [pressure, temperature, at.pressure]
 }
