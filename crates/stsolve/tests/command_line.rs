@@ -359,7 +359,7 @@ fn what_is_too_large_aborted_without_naming_the_memory() {
     assert!(is_empty(&directory));
 }
 
-/// Two triangles of a height; the second order of the corners of the square.
+/// Two triangles in a rectangle of a height.
 fn triangles(height: f64) -> String {
     format!(
         "NDIME= 2\nNELEM= 2\n5 0 1 2 0\n5 0 2 3 1\nNPOIN= 4\n0 0 0\n1 0 1\n1 {height} 2\n0 {height} 3\nNMARK= 1\nMARKER_TAG= wall\n\
@@ -387,7 +387,7 @@ fn triangles_are_described_and_judged() {
         let (_, stdout, stderr) = outcome(directory.path(), &["check", "case.toml", "--json", "--probe", "never"]);
         let json: serde_json::Value = serde_json::from_str(&stdout).unwrap_or_else(|_| panic!("{stderr}"));
         let warning = json["warnings"]["cells"].as_str().unwrap_or_default();
-        assert_eq!(warning.contains("scaled Jacobian of cell"), is_poor, "{json}");
+        assert_eq!(warning.contains("the orthogonality of cell"), is_poor, "{json}");
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::Facts;
 use super::warnings::{Warning, warning};
-use crate::commands::quality::{centre, smallest_scaled_jacobian};
+use crate::commands::quality::{centre, least_orthogonal};
 use case::Flow;
 use fem::Quadrature;
 use navier_stokes::{Boundary, VolumeFlux};
@@ -13,7 +13,7 @@ const NODES_PER_PERIOD: f64 = 12.0;
 /// A boundary layer with fewer nodes across is badly resolved.
 const NODES_IN_LAYER: f64 = 5.0;
 
-/// Split cells with a smaller scaled Jacobian are poor.
+/// Split cells with a smaller orthogonality are poor.
 const POOR_CELL: f64 = 0.1;
 
 /// Without walls a flow with a larger Reynolds number of a distance of nodes is not resolved.
@@ -22,13 +22,13 @@ const CELL_REYNOLDS: f64 = 100.0;
 /// Cells of a file that were split into poor ones.
 pub(super) fn split_cells<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
     let mesh = &facts.case.mesh;
-    let (cell, smallest) = facts.case.splits_simplices.then(|| smallest_scaled_jacobian(mesh))?;
-    if smallest >= POOR_CELL {
+    let (cell, orthogonality) = facts.case.splits_simplices.then(|| least_orthogonal(mesh))?;
+    if orthogonality >= POOR_CELL {
         return None;
     }
     let text = format!(
-        "`mesh.split_simplices` makes poor cells: the scaled Jacobian of cell {cell} at {:.4?} is {smallest:.3}, where 1 is undistorted; a mesh of \
-         better triangles or tetrahedra, or one of quadrilaterals or hexahedra",
+        "`mesh.split_simplices` makes poor cells: the orthogonality of cell {cell} at {:.4?} is {orthogonality:.3}, where 1 is rectangular and 0 flat; a mesh \
+         of less acute triangles or tetrahedra, or one of quadrilaterals or hexahedra",
         centre(mesh, cell)
     );
     warning("cells", text)

@@ -66,7 +66,7 @@ fn tables<const D: usize>(path: &Path, mesh: &Mesh<D>) -> [Table; 4] {
         .row("volume", mesh.volume(), "")
         .row("largest aspect ratio", aspect_ratio, "")
         .row("  in cell", cell, "")
-        .row("smallest scaled Jacobian", smallest_scaled_jacobian(mesh).1, "sampled")
+        .row("smallest scaled Jacobian", smallest_scaled_jacobian(mesh), "sampled")
         // Every mesh that was read is valid.
         .row("valid", "yes", "det J > 0 is proved in every cell");
     let mut boundaries = Table::new("boundaries");
