@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn one_bit_of_one_rank_is_found() {
-        let numbers = [0.1, -0.0, 3.0];
+        let numbers = [0.1_f64, -0.0, 3.0];
         let other = |bad: Option<usize>| {
             Threads::run(4, |ranks| {
                 let mut own = numbers;
