@@ -14,7 +14,7 @@ import matplotlib
 matplotlib.use("Agg")
 
 import stsolve  # noqa: E402
-from coarse import HEAVE  # noqa: E402
+from coarse import HEAVE, VORTEX  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [*sorted((ROOT / "docs/src").glob("*.md")), ROOT / "crates/output/FORMAT.md"]
@@ -43,6 +43,7 @@ def prepare(directory):
     os.symlink(ROOT / "cases", "cases")
     case = stsolve.Case("cases/naca0012_heave.toml", {**HEAVE, "flow.order": 3, **OBSERVED})
     case.run(output="runs/airfoil")
+    stsolve.Case("cases/vortex.toml", VORTEX).run(output="runs/vortex")
     for name in NAMES:
         os.symlink("airfoil", f"runs/{name}")
     os.symlink("runs/airfoil/result.vtkhdf", "result.vtkhdf")

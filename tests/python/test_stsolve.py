@@ -166,7 +166,7 @@ def test_values_in_cells(directory):
     for boundary in result.boundaries:
         facets = result.facets(boundary)
         assert facets.shape[1] == 2 and len(facets)
-        side = [rest[cell].reshape(2, 4, 4)[(slice(None), *(slice(None),) * (face < 2), -(face % 2))] for cell, face in facets]
+        side = [rest[cell].reshape(2, 4, 4)[(slice(None), *(slice(None),) * int(face < 2), -(face % 2))] for cell, face in facets]
         spread = np.ptp(np.array(side), axis=(0, 2))
         assert spread.min() < 1e-12 < spread.max(), "the box has straight sides at rest"
     assert "there is no boundary 'wind'" in str(raised(KeyError, lambda: result.facets("wind"))).replace('\\"', "'").replace('"', "'")
@@ -228,7 +228,7 @@ def test_messages_are_those_of_the_command(directory):
     wrong = str(raised(stsolve.CaseError, lambda: stsolve.Case(CASES / "vortex.toml", {"flow.order": 99, "mesh.order": 1})))
     said, code = command("check", CASES / "vortex.toml", "--set", "flow.order=99", "--set", "mesh.order=1")
     assert code == 2 and " ".join(wrong.split()) in said and wrong.count("order") > 1, (wrong, said)
-    hopeless = {**VORTEX, "solver.newton_max_steps": 1, "solver.slab_halvings": 0}
+    hopeless = {**VORTEX, "solver.newton_steps": 1, "solver.slab_halvings": 0}
     failed = raised(stsolve.SolveError, lambda: stsolve.Case(CASES / "vortex.toml", hopeless).run(output=directory))
     settings = [word for key, value in hopeless.items() for word in ("--set", f"{key}={value}")]
     said, code = command("run", CASES / "vortex.toml", "--output", directory, "--force", "--quiet", *settings)
