@@ -105,6 +105,12 @@ fn openings_of_a_periodic_passage_have_their_total_state() {
             assert!(largest_error(&found, value) < 1e-9, "{opening} {name}: {found:?}, {value}");
         }
     }
+    for (opening, velocity) in [("left", -0.4), ("right", 0.4)] {
+        let found = column(&run, &format!("{opening}_velocity"));
+        assert!(found.iter().all(|w| (w - velocity).abs() < 1e-9), "{opening}: {found:?}");
+    }
+    let loss = column(&run, "loss_coefficient");
+    assert!(loss.iter().all(|loss| loss.abs() < 1e-7), "{loss:?}");
     assert!(largest_error(&column(&run, "kinetic_energy"), 0.35) < 1e-9);
     assert!(largest_error(&column(&run, "edge_pressure"), 1.0) < 1e-9);
 }
