@@ -113,7 +113,8 @@
 //!
 //! # let text = r#"
 //! #     mesh = { order = 4, generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 2] } }
-//! #     flow = { order = 2, initial.uniform = { velocity = [0, 0], pressure = 1 }, boundary.others = "slip_wall" }
+//! #     flow = { order = 2, initial.uniform = { velocity = [0, 0], pressure = 1 }, boundary.others = "slip_wall",
+//! #         reference = { density = 1, speed = 1, pressure = 1 } }
 //! #     time = { order = 2, end = 0.2, slabs = 2 }
 //! # "#;
 //! # let case = case::AnyCase::check(&case::Document::parse("box.toml".as_ref(), text.to_owned(), &[])?)?;
