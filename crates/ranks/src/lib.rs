@@ -1,8 +1,9 @@
 //! Ranks: the processes that solve one case together.
 //!
 //! 1. [`Communicator`]: how ranks communicate. [`Alone`] is one rank; the ranks of [`Threads`] are threads of one process. Those that are
-//! processes are in the crate `message_passing`. [`Counting`] wraps any of them and counts what is sent. 2. [`agree`]: an error of one rank
-//! becomes an error of all. 3. [`Sums`]: which blocks of the mesh a rank owns, and sums over all blocks in a fixed order.
+//!    processes are in the crate `message_passing`. [`Counting`] wraps any of them and counts what is sent.
+//! 2. [`agree`]: an error of one rank becomes an error of all.
+//! 3. [`Sums`]: which blocks of the mesh a rank owns, and sums over all blocks in a fixed order.
 //!
 //! Only numbers that are equal on all ranks may decide what a rank does next. A sum of [`Sums`] has the same bits on any number of ranks.
 //!

@@ -72,11 +72,7 @@ impl CoarseLevel {
     ///
     /// # Errors
     /// If memory runs out.
-    pub fn new(
-        sweeps: &BlockIlu,
-        jacobian: &SpaceJacobian<f64>,
-        order: usize,
-    ) -> Result<Option<Self>, sparse::Error> {
+    pub fn new(sweeps: &BlockIlu, jacobian: &SpaceJacobian<f64>, order: usize) -> Result<Option<Self>, sparse::Error> {
         let (layout, links) = (sweeps.layout, sweeps.links());
         let (components, dimension) = (jacobian.block / jacobian.traces.nodes, layout.nodes.ilog(order));
         let functions = functions_per_direction(layout.cells, components, dimension, order);

@@ -58,8 +58,7 @@ impl<const D: usize, const M: usize, const W: usize> NodeIlu<D, M, W> {
         let (layout, modes) = (operator.layout, TemporalModes::new(&operator.tables.time));
         let matrix = NodeBlocks::new(operator, scales.dt);
         let ordering = ordering.filter(|ordering| ordering.own().count() == layout.cells);
-        let ordering =
-            ordering.map(|known| Ordering::whole(known.own().collect(), known.level_ends));
+        let ordering = ordering.map(|known| Ordering::whole(known.own().collect(), known.level_ends));
         let ordering = ordering.unwrap_or_else(|| matrix.ordering(modes.mean_shift()));
         let walk = Walk::new(&matrix, ordering);
         let factor = Factor::empty(layout.cells, &modes);

@@ -2,10 +2,11 @@
 
 use basis::TemporalModes;
 use fem::{Layout, Share};
+use newton_krylov::inner_product;
 
 /// The largest entry of `r` on all ranks: what vectors are divided by to keep single precision from underflow. A collective call.
 pub(super) fn largest(share: &Share, r: &[f64]) -> f64 {
-    share.sums.largest(r.iter().fold(0.0, |m: f64, x| m.max(x.abs())))
+    inner_product::largest_size(r, &share.sums)
 }
 
 /// The vector (Q^{-1} W^{-1} (x) I) r, divided by `scale`, which keeps single precision from underflow.

@@ -113,7 +113,7 @@ impl Ordering {
 
 /// The order for lambda M + dt A with one real lambda. A collective call.
 pub fn minimum_discarded_fill(
-    jacobian: &SpaceJacobian<f32>,
+    jacobian: &SpaceJacobian<f64>,
     links: &[Vec<Link>],
     share: &Share,
     dt: f64,
@@ -148,7 +148,7 @@ fn in_block(links: &[Link], cell: usize, share: &Share) -> Vec<Link> {
 }
 
 /// |A_ii^{-1} A_ik| in the Frobenius norm for every link of cell i, up to the norm of a trace.
-fn strengths(jacobian: &SpaceJacobian<f32>, links: &[Link], cell: usize, dt: f64, lambda: f64) -> Vec<f64> {
+fn strengths(jacobian: &SpaceJacobian<f64>, links: &[Link], cell: usize, dt: f64, lambda: f64) -> Vec<f64> {
     let inverse = diagonal_block(jacobian, cell, dt, lambda).partial_piv_lu().inverse();
     let (n, t) = (jacobian.block, jacobian.traces.len());
     let norm = |link: &Link| {
@@ -157,7 +157,7 @@ fn strengths(jacobian: &SpaceJacobian<f32>, links: &[Link], cell: usize, dt: f64
         for (lifted, b) in lifted.chunks_exact_mut(n).zip(b.chunks_exact(t)) {
             for (row, b) in b.iter().enumerate() {
                 let (offset, functional) = jacobian.traces.functional(link.face, row);
-                functional.iter().for_each(|&(node, weight)| lifted[offset + node] += dt * weight * f64::from(*b));
+                functional.iter().for_each(|&(node, weight)| lifted[offset + node] += dt * weight * b);
             }
         }
         let lifted = faer::MatRef::from_column_major_slice(&lifted, n, t);
