@@ -154,7 +154,8 @@ pub fn row<const D: usize, const M: usize>(
     row.push(report.jump);
     row.extend([newton.steps.len() as f64, newton.krylov_iterations as f64, newton.initial_norm, newton.final_norm()]);
     row.extend([counts.rebuilds as f64, report.rejected as f64]);
-    let (held, created) = (Conserved::<f64, D>::unpack::<M>(&from_fn(|m| totals[m])), statistics.balances::<D, M>(totals));
+    let (held, created) =
+        (Conserved::<f64, D>::unpack::<M>(&from_fn(|m| totals[m])), statistics.balances::<D, M>(totals));
     row.extend([held.density, created.density, held.energy, created.energy]);
     let totals = |wall: usize| from_numbers(statistics.impulses.get(wall).map_or(&[][..], Vec::as_slice));
     let walls = flow.walls.iter().zip(loads).enumerate();

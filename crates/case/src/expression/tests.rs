@@ -126,7 +126,10 @@ fn errors_say_where_and_what() {
     assert_eq!(problem("x + $"), (4, 1, Problem::Character('$')));
     assert_eq!(problem("1.2.3"), (0, 5, Problem::Number("1.2.3".into())));
     assert_eq!(problem("2 x"), (2, 1, unexpected("an operator such as `*`, or the end of the expression", "`x`")));
-    assert_eq!(problem("sin(x"), (5, 1, unexpected("`,`, `)` or an operator such as `*`", "the end of the expression")));
+    assert_eq!(
+        problem("sin(x"),
+        (5, 1, unexpected("`,`, `)` or an operator such as `*`", "the end of the expression"))
+    );
     assert_eq!(problem("x +"), (3, 1, unexpected("a number, a name or `(`", "the end of the expression")));
     assert_eq!(problem(""), (0, 1, unexpected("a number, a name or `(`", "the end of the expression")));
     let arguments = |name: &str, takes, found| Problem::Arguments { name: name.into(), takes, found };

@@ -79,7 +79,8 @@ pub fn causes(data: &FailureData) -> Vec<Cause> {
         GaveUp::Inadmissible | GaveUp::Newton | GaveUp::LinearSolver => &OF_FLOW,
         GaveUp::Other => &[],
     };
-    let mut causes: Vec<Cause> = rules.iter().filter_map(|rule| rule(data)).filter(|cause| cause.likelihood >= UNLIKELY).collect();
+    let mut causes: Vec<Cause> =
+        rules.iter().filter_map(|rule| rule(data)).filter(|cause| cause.likelihood >= UNLIKELY).collect();
     // The sort is stable: of equal likelihoods the first rule comes first.
     causes.sort_by(|a, b| b.likelihood.total_cmp(&a.likelihood));
     causes.truncate(NAMED);

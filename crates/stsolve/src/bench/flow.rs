@@ -56,7 +56,8 @@ where
         let mut operator = SlabOperator::new(problem, &mesh, numbering, orders, quadrature);
         let mean: [f64; M] = Primitive { density: 1.0, velocity: [0.4; D], pressure: 1.0 }.pack(&gas);
         let layout = operator.layout;
-        let state: Vec<f64> = (0..layout.len()).map(|i| mean[layout.component_of(i)] * (1.0 + 1e-3 * wave(i))).collect();
+        let state: Vec<f64> =
+            (0..layout.len()).map(|i| mean[layout.component_of(i)] * (1.0 + 1e-3 * wave(i))).collect();
         let nodes = operator.mesh.field_len();
         let velocities: Vec<f64> = (0..TIME_ORDER * nodes).map(|i| 1e-3 * wave(i)).collect();
         operator.begin_slab(0.0, DT, Bottom::new(&state[..layout.at_one_time().len()], &vec![0.0; nodes]));

@@ -56,7 +56,11 @@ fn describe(path: &Path, info: &ResultInfo, verbose: bool) -> String {
         .row("format version", info.format_version, "")
         .row("size", info.bytes as f64 / 1e6, "MB");
     if verbose {
-        file.row("case fingerprint", info.case_fingerprint.clone(), "").row("mesh fingerprint", info.mesh_id.clone(), "");
+        file.row("case fingerprint", info.case_fingerprint.clone(), "").row(
+            "mesh fingerprint",
+            info.mesh_id.clone(),
+            "",
+        );
     }
     let grid = &info.layout.grid;
     let mut mesh = Table::new("grid");
