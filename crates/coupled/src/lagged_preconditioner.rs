@@ -47,7 +47,7 @@ pub enum Method {
     BlockIlu,
     /// [`LinePreconditioner`], for short slabs. Steady flows take blocks all the same.
     LineAdi,
-    /// [`LowOrderPreconditioner`]: memory per unknown does not depend on the order.
+    /// [`low_order`]: memory per unknown does not depend on the order.
     LowOrder,
 }
 
