@@ -196,7 +196,7 @@ impl<const D: usize, const M: usize> LaggedPreconditioner<D, M> {
             Method::LowOrder => low_order(flow, scales, known),
             _ if self.steady => Box::new(TwoLevel::new(flow, scales, known)),
             Method::LineAdi => Box::new(LinePreconditioner::new(flow, scales)),
-            Method::BlockIlu => Box::new(BlockIlu::new(flow, scales, known)),
+            Method::BlockIlu => Box::new(BlockIlu::<f32>::new(flow, scales, known)),
         }
     }
 }

@@ -89,22 +89,6 @@ impl<T: Stored> SpaceJacobian<T> {
     }
 }
 
-impl SpaceJacobian<f32> {
-    /// Takes the entries of `other`, a Jacobian of the same operator, rounded.
-    pub fn round(&mut self, other: &SpaceJacobian<f64>) {
-        round(&other.diagonal, &mut self.diagonal);
-        round(&other.mass, &mut self.mass);
-        for (coupling, other) in self.couplings.iter_mut().zip(&other.couplings) {
-            round(&other.minus_plus, &mut coupling.minus_plus);
-            round(&other.plus_minus, &mut coupling.plus_minus);
-        }
-    }
-}
-
-fn round(from: &[f64], to: &mut [f32]) {
-    to.par_iter_mut().zip(from).with_min_len(1 << 14).for_each(|(to, from)| *to = *from as f32);
-}
-
 /// The traces of a cell on a face, as functionals of the cell's coefficients.
 pub struct TraceSpace {
     kinds: usize,

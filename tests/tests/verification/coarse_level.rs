@@ -43,7 +43,7 @@ where
     operator.product(&z, &mut r);
 
     let mut sweeps = BlockIlu::new(&operator, TimeScales { dt, damping: 0.0 }, None);
-    let coarse = CoarseLevel::new(&sweeps, &operator.space_jacobian(0.5), N).expect("memory suffices");
+    let coarse = CoarseLevel::new(&sweeps, N).expect("memory suffices");
     let mut coarse = coarse.expect("the coarse matrix is regular");
     let mut found = vec![0.0; z.len()];
     coarse.apply(&mut sweeps, &r, &mut found);

@@ -9,7 +9,7 @@ use navier_stokes::{Boundary, Compiled, Exact, NavierStokes, Viscosity};
 use verification::{Noise, relative_difference};
 
 /// A row of three cells, its preconditioner, and the length of its slab.
-fn row<const D: usize, const M: usize>(orders: Orders, viscosity: Viscosity, dt: f64) -> (Operator<D, M>, BlockIlu)
+fn row<const D: usize, const M: usize>(orders: Orders, viscosity: Viscosity, dt: f64) -> (Operator<D, M>, BlockIlu<f32>)
 where
     Exact<FreeStream<D>>: StateField<D, M>,
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,

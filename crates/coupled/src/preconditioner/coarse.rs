@@ -12,7 +12,7 @@ use super::blocks::{Link, coupling_block, diagonal_block};
 use super::ilu::BlockIlu;
 use basis::{Lagrange, Matrix};
 use faer::{Mat, MatRef};
-use fem::{Layout, SpaceJacobian, TraceSpace};
+use fem::{Layout, TraceSpace};
 use rayon::prelude::*;
 use sparse::{BlockMatrix, EliminationTree, Factorisation, Kind};
 use std::sync::Arc;
@@ -68,12 +68,12 @@ pub struct CoarseLevel {
 }
 
 impl CoarseLevel {
-    /// The coarse level of lambda M + dt A, with dt and the one mode of `sweeps`, undamped, and A in `jacobian`; `order` nodes per direction.
+    /// The coarse level of lambda M + dt A, with dt and the one mode of `sweeps`, undamped; `order` nodes per direction.
     ///
     /// # Errors
     /// If memory runs out.
-    pub fn new(sweeps: &BlockIlu, jacobian: &SpaceJacobian<f64>, order: usize) -> Result<Option<Self>, sparse::Error> {
-        let (layout, links) = (sweeps.layout, sweeps.links());
+    pub fn new(sweeps: &BlockIlu<f64>, order: usize) -> Result<Option<Self>, sparse::Error> {
+        let (layout, links, jacobian) = (sweeps.layout, sweeps.links(), &sweeps.jacobian);
         let (components, dimension) = (jacobian.block / jacobian.traces.nodes, layout.nodes.ilog(order));
         let functions = functions_per_direction(layout.cells, components, dimension, order);
         let prolongation = prolongation(dimension, order, functions);
@@ -93,13 +93,13 @@ impl CoarseLevel {
             rest: vec![0.0; layout.len()],
             p,
         };
-        Ok(coarse.updated(sweeps, jacobian))
+        Ok(coarse.updated(sweeps))
     }
 
-    /// The same with the dt that `sweeps` have now, and A in `jacobian`; None if the coarse matrix is singular.
-    pub fn updated(mut self, sweeps: &BlockIlu, jacobian: &SpaceJacobian<f64>) -> Option<Self> {
+    /// The same with the dt and the A that `sweeps` have now; None if the coarse matrix is singular.
+    pub fn updated(mut self, sweeps: &BlockIlu<f64>) -> Option<Self> {
         let (dt, lambda) = (sweeps.dt, sweeps.modes.eigenvalues[0].re);
-        let (t, traces) = (jacobian.traces.len(), &self.traces);
+        let (jacobian, t, traces) = (&sweeps.jacobian, sweeps.jacobian.traces.len(), &self.traces);
         let image = |cell: usize| diagonal_block(jacobian, cell, dt, lambda) * &self.p;
         self.images = (0..self.layout.cells).into_par_iter().map(image).collect();
         let coupled_image = |link: &Link| {
@@ -135,7 +135,7 @@ impl CoarseLevel {
     }
 
     /// z by (two-level).
-    pub fn apply(&mut self, sweeps: &mut BlockIlu, r: &[f64], z: &mut [f64]) {
+    pub fn apply(&mut self, sweeps: &mut BlockIlu<f64>, r: &[f64], z: &mut [f64]) {
         self.restrict(r);
         if let Some(factors) = &self.factors {
             factors.solve(&mut self.coefficients, 1, &mut self.solve);

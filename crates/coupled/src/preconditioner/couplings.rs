@@ -5,7 +5,7 @@ use super::blocks::{Link, coupling_block};
 use super::inverse::Shape;
 use super::ordering::Ordering;
 use super::panel::padded;
-use fem::SpaceJacobian;
+use fem::{SpaceJacobian, Stored};
 use rayon::prelude::*;
 
 /// What a sweep does with a neighbour of a cell: A_ik = T_f^T B T_g, i the cell, k the neighbour.
@@ -35,7 +35,7 @@ pub struct Couplings {
 
 impl Couplings {
     /// The couplings of `jacobian` along the `links` of every cell.
-    pub fn new(jacobian: &SpaceJacobian<f32>, links: &[Vec<Link>], ordering: &Ordering) -> Self {
+    pub fn new<T: Stored>(jacobian: &SpaceJacobian<T>, links: &[Vec<Link>], ordering: &Ordering) -> Self {
         let t = jacobian.traces.len();
         let shape = Shape { n: t, parts: 1 };
         let mut order = Vec::new();
@@ -47,14 +47,14 @@ impl Couplings {
     }
 
     /// The couplings of another `jacobian` along the same links.
-    pub fn update(&mut self, jacobian: &SpaceJacobian<f32>) {
+    pub fn update<T: Stored>(&mut self, jacobian: &SpaceJacobian<T>) {
         let shape = self.shape;
         self.blocks.par_chunks_exact_mut(bf16_blocks::panels(shape).len()).zip(&self.links).for_each(
             |(stored, link)| {
                 let mut block = vec![0.0; shape.len()];
                 let columns = coupling_block(jacobian, *link).chunks_exact(shape.n);
                 for (column, b) in block.chunks_exact_mut(shape.stride()).zip(columns) {
-                    column[..shape.n].copy_from_slice(b);
+                    column.iter_mut().zip(b).for_each(|(column, &b)| *column = b.into() as f32);
                 }
                 bf16_blocks::store(shape, &block, stored);
             },

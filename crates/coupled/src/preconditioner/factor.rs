@@ -15,15 +15,15 @@ use super::ordering::{Ordering, Stage};
 use super::panel::padded;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par, c64};
-use fem::{PerThread, Share, SpaceJacobian};
+use fem::{PerThread, Share, SpaceJacobian, Stored};
 use sparse::dependency_schedule;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use tensor::Arch;
 
 /// What the factors are made of.
-pub struct Elimination<'a> {
+pub struct Elimination<'a, T> {
     /// A and M.
-    pub jacobian: &'a SpaceJacobian<f32>,
+    pub jacobian: &'a SpaceJacobian<T>,
     /// The neighbours of every cell.
     pub links: &'a [Vec<Link>],
     /// The order of elimination.
@@ -63,10 +63,10 @@ struct Crossing {
 /// What is to be subtracted from D at every position.
 type Updates = Vec<Mutex<Vec<Update>>>;
 
-impl Elimination<'_> {
+impl<T: Stored> Elimination<'_, T> {
     /// The blocks D of a mode.
-    pub fn shape(jacobian: &SpaceJacobian<f32>, shift: c64) -> Shape {
-        Shape::shifted(jacobian.block, shift)
+    pub fn shape(block: usize, shift: c64) -> Shape {
+        Shape::shifted(block, shift)
     }
 
     /// D_i^{-1} of all modes in [`bf16_blocks`], own cell by own cell in the order of positions.
@@ -104,7 +104,7 @@ impl Elimination<'_> {
     fn cell(&self, position: usize, updates: &[Update], block: &mut Vec<f32>, mut stored: &mut [u32]) -> Vec<Update> {
         let mut new = Vec::new();
         for (mode, &shift) in self.shifts.iter().enumerate() {
-            let shape = Self::shape(self.jacobian, shift);
+            let shape = Self::shape(self.jacobian.block, shift);
             self.diagonal(position, shift, block);
             for update in updates.iter().filter(|update| update.mode == mode) {
                 for (part, update_part) in update.parts.iter().enumerate() {
@@ -123,19 +123,18 @@ impl Elimination<'_> {
 
     /// lambda M + dt A_ii of the cell at `position`.
     fn diagonal(&self, position: usize, shift: c64, block: &mut Vec<f32>) {
-        let shape = Self::shape(self.jacobian, shift);
+        let shape = Self::shape(self.jacobian.block, shift);
         let (n, nodes, cell) = (shape.n, self.jacobian.traces.nodes, self.ordering.cells[position]);
         let (rows, stride) = (padded(n), shape.stride());
         block.clear();
         block.resize(shape.len(), 0.0);
         let (a, mass) = (self.jacobian.block_of(cell).chunks_exact(n), self.jacobian.mass_of(cell));
-        let dt = self.dt as f32;
         for (j, (column, a)) in block.chunks_exact_mut(stride).zip(a).enumerate() {
-            column.iter_mut().zip(a).for_each(|(column, a)| *column = dt * a);
+            column.iter_mut().zip(a).for_each(|(column, a)| *column = (self.dt * (*a).into()) as f32);
             let (component, m) = (j / nodes * nodes, &mass[j % nodes * nodes..][..nodes]);
-            for (part, lambda) in [shift.re as f32, shift.im as f32].into_iter().take(shape.parts).enumerate() {
+            for (part, lambda) in [shift.re, shift.im].into_iter().take(shape.parts).enumerate() {
                 let d = &mut column[part * rows + component..][..nodes];
-                d.iter_mut().zip(m).for_each(|(d, m)| *d += lambda * m);
+                d.iter_mut().zip(m).for_each(|(d, m)| *d += (lambda * (*m).into()) as f32);
             }
         }
     }
@@ -144,11 +143,11 @@ impl Elimination<'_> {
     fn fill(&self, position: usize, mode: usize, shape: Shape, inverse: &[f32], new: &mut Vec<Update>) {
         let links = &self.links[self.ordering.cells[position]];
         for link in links.iter().filter(|link| self.ordering.positions[link.cell] > position) {
-            let there = coupling_block(self.jacobian, *link);
-            let back = coupling_block(self.jacobian, Link { side: 1 - link.side, ..*link });
+            let there = single(coupling_block(self.jacobian, *link));
+            let back = single(coupling_block(self.jacobian, Link { side: 1 - link.side, ..*link }));
             let part = |part: usize| {
                 let inverse = &inverse[part * padded(shape.n)..];
-                self.product(back, &self.faces[link.face].of_matrix(inverse, shape.n, shape.stride()), there)
+                self.product(&back, &self.faces[link.face].of_matrix(inverse, shape.n, shape.stride()), &there)
             };
             new.push(Update {
                 from: self.from(position, link),
@@ -203,7 +202,7 @@ impl Elimination<'_> {
 
     /// Numbers of the updates of all modes across a facet.
     fn numbers_of_updates(&self) -> usize {
-        let parts: usize = self.shifts.iter().map(|&shift| Self::shape(self.jacobian, shift).parts).sum();
+        let parts: usize = self.shifts.iter().map(|&shift| Self::shape(self.jacobian.block, shift).parts).sum();
         parts * self.jacobian.traces.len().pow(2)
     }
 
@@ -224,7 +223,7 @@ impl Elimination<'_> {
         let single = |part: &[f64]| part.iter().map(|&x| x as f32).collect();
         let mut parts = numbers.chunks_exact(self.jacobian.traces.len().pow(2)).map(single);
         let update = |(mode, &shift): (usize, &c64)| {
-            let parts = parts.by_ref().take(Self::shape(self.jacobian, shift).parts).collect();
+            let parts = parts.by_ref().take(Self::shape(self.jacobian.block, shift).parts).collect();
             Update { from, position, coupling, mode, face, parts }
         };
         self.shifts.iter().enumerate().map(update).collect()
@@ -247,4 +246,8 @@ impl Elimination<'_> {
 
 fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn single<T: Stored>(matrix: &[T]) -> Vec<f32> {
+    matrix.iter().map(|&a| a.into() as f32).collect()
 }

@@ -13,20 +13,20 @@ use super::sweeps::Shared;
 use super::{FlowPreconditioner, TimeScales};
 use basis::TemporalModes;
 use faer::c64;
-use fem::{Layout, PerThread, Share, SlabOperator, SpaceJacobian};
+use fem::{Layout, PerThread, Share, SlabOperator, SpaceJacobian, Stored};
 use rayon::prelude::*;
 use std::sync::Arc;
 use tensor::Arch;
 
 /// Block ILU(0) of every temporal mode of a slab.
 ///
-/// The Jacobian is kept in single precision. Off-diagonal blocks are the same for all modes and kept in traces; they and the factors are stored
-/// in bfloat16. The iteration that uses them works in double precision and loses nothing.
-pub struct BlockIlu {
+/// The Jacobian is kept with entries of type `T`. Off-diagonal blocks are the same for all modes and kept in traces; they and the factors are
+/// stored in bfloat16. The iteration that uses them works in double precision and loses nothing.
+pub struct BlockIlu<T> {
     pub(super) layout: Layout,
     pub(super) share: Arc<Share>,
     pub(super) modes: TemporalModes,
-    pub(super) jacobian: SpaceJacobian<f32>,
+    pub(super) jacobian: SpaceJacobian<T>,
     links: Vec<Vec<Link>>,
     pub(super) ordering: Ordering,
     pub(super) couplings: Couplings,
@@ -41,7 +41,7 @@ pub struct BlockIlu {
     pub(super) swept: Vec<Shared>,
 }
 
-impl BlockIlu {
+impl<T: Stored> BlockIlu<T> {
     /// Factors the modes of the Jacobian of `operator` in the middle of its slab. The order of elimination is found anew unless one is given.
     pub fn new<const D: usize, const M: usize>(
         operator: &SlabOperator<D, M>,
@@ -92,19 +92,17 @@ impl BlockIlu {
 
     /// Takes the Jacobian that `operator` has now, in the memory of the old one, and factors its modes.
     pub fn update<const D: usize, const M: usize>(&mut self, operator: &SlabOperator<D, M>, scales: TimeScales) {
-        operator.update_space_jacobian(0.5, &mut self.jacobian);
-        self.couplings.update(&self.jacobian);
-        self.factor(scales);
+        self.update_beside(operator, scales, |_| ());
     }
 
-    /// Takes `jacobian`, rounded, and factors its modes while `other` works.
-    pub(super) fn update_beside<T: Send>(
+    /// The same while `other` works with the new Jacobian.
+    pub(super) fn update_beside<const D: usize, const M: usize, R: Send>(
         &mut self,
-        jacobian: &SpaceJacobian<f64>,
+        operator: &SlabOperator<D, M>,
         scales: TimeScales,
-        other: impl FnOnce(&Self) -> T + Send,
-    ) -> T {
-        self.jacobian.round(jacobian);
+        other: impl FnOnce(&Self) -> R + Send,
+    ) -> R {
+        operator.update_space_jacobian(0.5, &mut self.jacobian);
         self.couplings.update(&self.jacobian);
         self.factor_beside(scales, other)
     }
@@ -115,7 +113,7 @@ impl BlockIlu {
     }
 
     /// The same while `other` works.
-    fn factor_beside<T: Send>(&mut self, scales: TimeScales, other: impl FnOnce(&Self) -> T + Send) -> T {
+    fn factor_beside<R: Send>(&mut self, scales: TimeScales, other: impl FnOnce(&Self) -> R + Send) -> R {
         self.dt = scales.dt;
         let mut inverses = std::mem::take(&mut self.inverses);
         let ((), result) = rayon::join(|| self.factorise(scales, &mut inverses), || other(self));
@@ -141,7 +139,7 @@ impl BlockIlu {
 
     /// The blocks of the modes.
     pub(super) fn shapes(&self) -> impl Iterator<Item = Shape> {
-        self.modes.eigenvalues.iter().map(|lambda| Elimination::shape(&self.jacobian, *lambda))
+        self.modes.eigenvalues.iter().map(|lambda| Elimination::<T>::shape(self.jacobian.block, *lambda))
     }
 
     /// D^{-1} of all modes at `position`.
@@ -217,7 +215,7 @@ impl BlockIlu {
     }
 }
 
-impl<const D: usize, const M: usize> FlowPreconditioner<D, M> for BlockIlu {
+impl<const D: usize, const M: usize, T: Stored + 'static> FlowPreconditioner<D, M> for BlockIlu<T> {
     fn updated(
         mut self: Box<Self>,
         flow: &SlabOperator<D, M>,

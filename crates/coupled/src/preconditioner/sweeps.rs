@@ -6,6 +6,7 @@ use super::ilu::{BlockIlu, Scratch};
 use super::ordering::Stage;
 use super::panel::padded;
 use super::singles;
+use fem::Stored;
 use sparse::dependency_schedule;
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
@@ -36,7 +37,7 @@ impl Shared {
     }
 }
 
-impl BlockIlu {
+impl<T: Stored> BlockIlu<T> {
     /// The forward sweep, position by position, and the backward sweep, from the last position to the first.
     pub(super) fn sweep(&self) {
         if let [_] = self.ordering.stages[..] {

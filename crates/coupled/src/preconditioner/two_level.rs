@@ -4,14 +4,16 @@ use super::coarse::CoarseLevel;
 use super::ilu::BlockIlu;
 use super::ordering::Ordering;
 use super::{FlowPreconditioner, TimeScales};
-use fem::{SlabOperator, SpaceJacobian};
+use fem::SlabOperator;
 
 /// Block ILU(0), with a coarse level as soon as pseudo-time does not damp the flow.
 ///
 /// As long as it does, the sweeps work alone. With exact solves Newton's method can then converge to spurious solutions; loose ones keep to
 /// the path of the flow in time.
+///
+/// The Jacobian is in double precision, for the coarse level: in it large entries cancel.
 pub struct TwoLevel {
-    sweeps: BlockIlu,
+    sweeps: BlockIlu<f64>,
     coarse: Option<CoarseLevel>,
 }
 
@@ -29,13 +31,12 @@ impl TwoLevel {
         levels
     }
 
-    /// The coarse level needs the Jacobian in double precision: in it large entries cancel. None where its matrix is singular, or too large.
+    /// Both levels; the sweeps alone where the coarse matrix is singular, or too large.
     fn update_both<const D: usize, const M: usize>(&mut self, operator: &SlabOperator<D, M>, scales: TimeScales) {
-        let (jacobian, old): (SpaceJacobian<f64>, _) = (operator.space_jacobian(0.5), self.coarse.take());
-        let order = operator.tables.orders.flow;
-        self.coarse = self.sweeps.update_beside(&jacobian, scales, |sweeps| match old {
-            Some(coarse) => coarse.updated(sweeps, &jacobian),
-            None => CoarseLevel::new(sweeps, &jacobian, order).ok().flatten(),
+        let (old, order) = (self.coarse.take(), operator.tables.orders.flow);
+        self.coarse = self.sweeps.update_beside(operator, scales, |sweeps| match old {
+            Some(coarse) => coarse.updated(sweeps),
+            None => CoarseLevel::new(sweeps, order).ok().flatten(),
         });
     }
 }

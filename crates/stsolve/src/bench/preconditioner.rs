@@ -14,7 +14,7 @@ const LARGEST_BLOCK: usize = 1100;
 /// An operator with its preconditioner.
 pub(super) struct Preconditioned<const D: usize, const M: usize> {
     flow: Flow<D, M>,
-    preconditioner: BlockIlu,
+    preconditioner: BlockIlu<f32>,
     out: Vec<f64>,
 }
 
