@@ -202,13 +202,14 @@ fn lines<const D: usize>(case: &Case<D>, time_order: usize) -> (usize, usize) {
     (4 * axes * (line * line + flow.order * flow.order), 4 * axes * matrices * line * padded(line))
 }
 
-/// That of the search for a steady flow. Its coarse level is made of the Jacobian in double precision.
+/// That of the search for a steady flow, with its coarse level; the Jacobian is in double precision.
 fn steady_preconditioner<const D: usize>(case: &Case<D>) -> usize {
     if case.preconditioner() == Preconditioner::LowOrder {
         let (blocks, factors) = node_blocks(case, 1);
         return blocks + factors;
     }
-    jacobian(case) + 8 * jacobian_entries(case).0 + factors(case, 1) + coarse_level(case)
+    let (kept, assembly) = jacobian_entries(case);
+    8 * (kept + assembly) + factors(case, 1) + coarse_level(case)
 }
 
 /// Blocks between nodes in half precision, those of a node itself in single precision, the node's mass and neighbours; the factors, and the
