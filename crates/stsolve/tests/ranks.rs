@@ -106,21 +106,6 @@ fn a_wing_a_blade_and_a_flap_have_the_same_bits_on_any_number_of_ranks() {
     }
 }
 
-/// A checkpoint of other blocks is continued: the preconditioner is made anew.
-#[test]
-fn a_run_resumes_with_another_number_of_blocks() {
-    let place = TempDir::new().unwrap();
-    let directory = place.path().join("run");
-    let until =
-        |end: &str, blocks: usize| changes(&[&VORTEX[..2], &[end, &format!("parallel.blocks={blocks}")]].concat());
-    run(2, 1, "vortex", &until("time.end=0.4", 4), &directory, Existing::Keep);
-    for (end, blocks) in [("time.end=0.6", 7), ("time.end=0.8", 1), ("time.end=1", 3)] {
-        run(1, 1, "vortex", &until(end, blocks), &directory, Existing::Resume);
-    }
-    let mass = number(&summary(&directory), "conservation.mass_error");
-    assert!(mass < 1e-13, "{mass:.1e}");
-}
-
 #[test]
 fn other_preconditioners_have_the_same_bits_on_any_number_of_ranks() {
     for preconditioner in ["lines", "low_order"] {

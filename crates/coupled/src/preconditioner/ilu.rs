@@ -69,7 +69,8 @@ impl<T: Stored> BlockIlu<T> {
         let ordering = known.unwrap_or_else(found);
         let couplings = Couplings::new(&jacobian, &links, &ordering);
         let (columns, rows) = (modes.forward.rows(), padded(jacobian.block));
-        let faces = links.iter().flatten().map(|link| link.face + 1).max().unwrap_or(0);
+        // A rank of few cells meets some faces on ghosts alone.
+        let faces = links.iter().flatten().map(|link| link.face.max(link.other_face) + 1).max().unwrap_or(0);
         let traces = columns * couplings.rows();
         let room = move || vec![0.0; traces];
         let scratch = PerThread::new(move || Scratch { taken: room(), sent: room(), turned: vec![0.0; 4 * rows] });

@@ -4,7 +4,7 @@ use crate::commands::print;
 use crate::commands::quality::smallest_scaled_jacobian;
 use crate::commands::table::Table;
 use case::{AnyMesh, MeshFileError};
-use mesh::{GmshError, Mesh, Simplices};
+use mesh::{Mesh, Simplices};
 use serde_json::{Map, Value};
 use simulation::Failure;
 use std::fs::File;
@@ -38,10 +38,11 @@ fn is_mesh(beginning: &[u8]) -> bool {
 pub(super) fn info(path: &Path, json: bool) -> Result<(), Failure> {
     let in_file = |error: MeshFileError| anyhow::anyhow!("{}: {error}", path.display());
     let (mesh, problem) = match AnyMesh::read(path, &[], Simplices::Refuse) {
-        Err(error @ MeshFileError::Mesh(GmshError::Simplices { .. })) => {
-            (AnyMesh::read(path, &[], Simplices::Split), Some(in_file(error).to_string()))
-        }
-        read => (read, None),
+        Err(error) => match AnyMesh::read(path, &[], Simplices::Split) {
+            Ok(mesh) => (Ok(mesh), Some(in_file(error).to_string())),
+            Err(_) => (Err(error), None),
+        },
+        mesh => (mesh, None),
     };
     let tables = match mesh.map_err(|error| Failure::bad_input(in_file(error)))? {
         AnyMesh::Plane(mesh) => tables(path, &mesh),
