@@ -530,8 +530,8 @@ fn errors_of_several_sections_are_told_at_once() {
     let text = BASE.replace("order = 2", "order = 0").replace("order = 4", "order = 4\nquadrature = { points = 2 }");
     let error = check_text(&text, &["solver.krylov_restart=0", "output.every=0"]).unwrap_err();
     let message = error.to_string();
-    assert_eq!(error.also.len(), 2, "{message}");
-    for part in ["`time.order = 0`", "solver.krylov_restart", "output.every"] {
+    assert_eq!(error.also.len(), 3, "{message}");
+    for part in ["flow.quadrature.points", "`time.order = 0`", "solver.krylov_restart", "output.every"] {
         assert!(message.contains(part), "{message}");
     }
     let error = check_text(&text.replace("order = 0", "order = 2"), &["output.every=0"]).unwrap_err();
@@ -656,7 +656,7 @@ fn sections_without_what_they_belong_to_are_refused() {
     let (before, rest) = BASE.split_once("[flow]").unwrap();
     let without_flow = before.to_owned() + "[time]" + rest.split_once("[time]").unwrap().1;
     for (text, option, key, accepted) in [
-        (&without_flow[..], "controls.a={measure=\"t\",initial=1,rate=0}", "`controls.a", "together with [flow]"),
+        (&without_flow[..], "controls.push={measure=\"t\",initial=1,rate=0}", "`controls.push", "together with [flow]"),
         (&without_flow, "restart.from=\"runs/a\"", "`restart", "together with [flow]"),
         (BASE, "output.fields=[\"density\",\"von_mises\"]", "`output.fields.1", "a section [structure]"),
         (&without_flow, "output.lines.a={from=[0,0],to=[1,1]}", "`output.lines", "together with [flow]"),

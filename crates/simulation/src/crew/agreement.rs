@@ -28,8 +28,8 @@ fn encode(failure: &Failure, rank: usize) -> Vec<u8> {
 
 /// The failure behind [`encode`].
 fn decode(bytes: &[u8]) -> Failure {
-    let texts: Vec<String> =
-        bytes.split(|byte| *byte == 0).skip(1).map(|part| String::from_utf8_lossy(part).into_owned()).collect();
+    let messages = bytes.get(1..).unwrap_or_default().split(|byte| *byte == 0).skip(1);
+    let texts: Vec<String> = messages.map(|part| String::from_utf8_lossy(part).into_owned()).collect();
     let mut parts = texts.into_iter().rev();
     let last = parts.next().unwrap_or_default();
     let error = parts.fold(anyhow::anyhow!(last), anyhow::Error::context);
