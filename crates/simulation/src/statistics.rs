@@ -135,7 +135,7 @@ fn by_wall(numbers: &[f64], walls: usize) -> Vec<Vec<f64>> {
     numbers.chunks(each).map(<[f64]>::to_vec).collect()
 }
 
-/// The quality of the mesh; None if there is none.
+/// The quality of the mesh; None unless there are five numbers.
 fn to_quality(numbers: &[f64]) -> Option<MeshQuality> {
     let [lower_bound, sampled_min, scaled_jacobian, cell, time] = *numbers else { return None };
     Some(MeshQuality { lower_bound, sampled_min, scaled_jacobian, cell: cell as usize, time })

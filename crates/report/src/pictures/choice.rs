@@ -26,7 +26,7 @@ pub fn quantity(reader: &ResultReader, name: &str) -> Result<PictureQuantity, Pi
 /// The window of a name, of a box `x0,y0,x1,y1`, or in three dimensions of a plane such as `x=0.5`. Without a name the first one.
 ///
 /// # Errors
-/// A name that is none of these.
+/// An unknown name.
 pub fn window<const D: usize>(view: &View<D>, name: Option<&str>) -> Result<Window, PictureError> {
     let Some(name) = name else { return named(&view.windows, None, D) };
     let plane = || {

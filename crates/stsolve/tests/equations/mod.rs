@@ -137,7 +137,7 @@ fn joined(text: &str) -> String {
     parts.fold(first, |all, part| all + part.trim_start())
 }
 
-/// Replaces the first `command{inner}` by a text. False if there is none.
+/// Replaces the first `command{inner}` by a text. False if the text has no such command.
 fn rewrite(text: &mut String, command: &str, with: impl Fn(&str) -> String) -> bool {
     let Some(at) = text.find(&format!("{command}{{")) else { return false };
     let Some(inner) = group(text, at + command.len()) else { return false };
