@@ -124,6 +124,14 @@ impl<'a> Checker<'a> {
         Err(self.error(key, Cause::OutOfRange { quantity: quantity.to_owned(), accepted: accepted.to_owned() }))
     }
 
+    /// The same for the value of a formula. The cause may be a constant, so the error shows all of them.
+    pub(super) fn require_of_formula(&self, key: &Key, quantity: &str, holds: bool, accepted: &str) -> Checked<()> {
+        if holds {
+            return Ok(());
+        }
+        self.require(key, quantity, false, &format!("{accepted}{}", self.constants_in_words()))
+    }
+
     /// `value`, if it is positive and finite.
     pub(super) fn positive(&self, key: &Key, quantity: &str, value: f64) -> Checked<f64> {
         self.require(key, quantity, value > 0.0 && value.is_finite(), "a positive number")?;

@@ -6,6 +6,7 @@ use fem::{Orders, StateField};
 use mesh::{BoxMesh, Curving};
 use navier_stokes::exact::FreeStream;
 use navier_stokes::{Boundary, Compiled, Exact, NavierStokes, Riemann, Viscosity};
+use newton_krylov::operator::Preconditioner;
 use verification::{Noise, free_stream, law, operator, prescribed, relative_difference};
 
 const ORDERS: Orders = Orders { flow: 4, mesh: 2, time: 3 };

@@ -2,10 +2,11 @@
 
 use crate::lines::uniform_flow;
 use crate::slab_operator::Operator;
-use coupled::preconditioner::{BlockIlu, TimeScales};
+use coupled::preconditioner::{BlockIlu, FactoredModes, TimeScales};
 use fem::{Orders, StateField};
 use navier_stokes::exact::FreeStream;
 use navier_stokes::{Boundary, Compiled, Exact, NavierStokes, Viscosity};
+use newton_krylov::operator::Preconditioner;
 use verification::{Noise, relative_difference};
 
 /// A row of three cells, its preconditioner, and the length of its slab.

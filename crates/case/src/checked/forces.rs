@@ -89,7 +89,7 @@ fn point<const D: usize>(
     for t in time.check_times() {
         for (axis, value) in point.evaluate(&[0.0; D], t).into_iter().enumerate() {
             let quantity = format!("the coordinate of the point at t = {t}, {value},");
-            checker.require(
+            checker.require_of_formula(
                 &key.entry(axis),
                 &quantity,
                 is_bounded(value),

@@ -67,14 +67,14 @@ pub(super) fn check<const D: usize>(
             let value = formula.evaluate(&x, t);
             let quantity = format!("{quantity} at {x:?} and t = {t}, {value},");
             let holds = value > 0.0 && is_computable(value);
-            checker.require(&key.child(name), &quantity, holds, "a formula that is positive everywhere")?;
+            checker.require_of_formula(&key.child(name), &quantity, holds, "a formula that is positive everywhere")?;
         }
     }
     let Some((name, vector)) = vector else { return Ok(()) };
     for (x, t) in places(&nodes, time, false) {
         let holds = vector.evaluate(&x, t).iter().all(|w| is_bounded(*w));
         let quantity = format!("the vector at {x:?} and t = {t}");
-        checker.require(&key.child(name), &quantity, holds, "formulas that are finite everywhere")?;
+        checker.require_of_formula(&key.child(name), &quantity, holds, "formulas that are finite everywhere")?;
     }
     Ok(())
 }

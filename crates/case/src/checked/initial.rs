@@ -69,7 +69,7 @@ fn check_at<const D: usize>(
     for (name, value) in [("density", state.density), ("pressure", state.pressure)] {
         let quantity = format!("the {name} {at} {value},");
         let positive = value > 0.0 && is_computable(value);
-        checker.require(
+        checker.require_of_formula(
             &key.child(name),
             &quantity,
             positive,
@@ -78,7 +78,12 @@ fn check_at<const D: usize>(
     }
     for (axis, value) in state.velocity.into_iter().enumerate() {
         let (key, quantity) = (key.child("velocity").entry(axis), format!("the velocity {at} {value},"));
-        checker.require(&key, &quantity, is_bounded(value), "a formula that is finite everywhere, and at most 1e60")?;
+        checker.require_of_formula(
+            &key,
+            &quantity,
+            is_bounded(value),
+            "a formula that is finite everywhere, and at most 1e60",
+        )?;
     }
     Ok(())
 }

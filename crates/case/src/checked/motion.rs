@@ -269,7 +269,12 @@ fn stiffness<const D: usize>(
                 value > 0.0 && value.is_finite()
             };
             let everywhere = mesh.coordinates().chunks_exact(D).map(position).all(positive);
-            checker.require(&key, "the stiffness", everywhere, "a formula that is positive everywhere in the mesh")?;
+            checker.require_of_formula(
+                &key,
+                "the stiffness",
+                everywhere,
+                "a formula that is positive everywhere in the mesh",
+            )?;
             Ok(Stiffness::Expression(modulus))
         }
         raw::Stiffness::WallDistance(raw) => wall_distance(checker, &key.child("wall_distance"), raw, mesh),

@@ -175,7 +175,12 @@ fn sponge<const D: usize>(
         let value = strength.evaluate(&x, t);
         let quantity = format!("the strength at {x:?} and t = {t}, {value},");
         let holds = value >= 0.0 && is_bounded(value);
-        checker.require(&key, &quantity, holds, "a formula that is 0 or positive everywhere, and at most 1e60")?;
+        checker.require_of_formula(
+            &key,
+            &quantity,
+            holds,
+            "a formula that is 0 or positive everywhere, and at most 1e60",
+        )?;
     }
     Ok((strength, navier_stokes::Source::Sponge { target }))
 }
@@ -192,7 +197,7 @@ fn bounded<const D: usize>(
         let values = values(&x, t);
         let quantity = format!("{quantity} at {x:?} and t = {t}, {values:?},");
         let bounded = values.iter().all(|value| is_bounded(*value));
-        checker.require(key, &quantity, bounded, "formulas that are finite everywhere, and at most 1e60")?;
+        checker.require_of_formula(key, &quantity, bounded, "formulas that are finite everywhere, and at most 1e60")?;
     }
     Ok(())
 }

@@ -319,7 +319,7 @@ fn check_finite<const D: usize>(
         let x: [f64; D] = std::array::from_fn(|axis| x[axis]);
         for (axis, value) in vector.evaluate(&x, start).into_iter().enumerate() {
             let quantity = format!("the {name} in cell {} at {x:?}, {value},", k / mesh.nodes_per_cell());
-            checker.require(
+            checker.require_of_formula(
                 &key.entry(axis),
                 &quantity,
                 is_bounded(value),

@@ -13,6 +13,7 @@ use super::ilu::BlockIlu;
 use basis::{Lagrange, Matrix};
 use faer::{Mat, MatRef};
 use fem::{Layout, TraceSpace};
+use newton_krylov::operator::Preconditioner;
 use rayon::prelude::*;
 use sparse::{BlockMatrix, EliminationTree, Factorisation, Kind};
 use std::sync::Arc;

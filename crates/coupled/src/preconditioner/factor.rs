@@ -13,6 +13,7 @@ use super::face_traces::FaceTraces;
 use super::inverse::{Shape, invert};
 use super::ordering::{Ordering, Stage};
 use super::panel::padded;
+use super::singles;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par, c64};
 use fem::{PerThread, Share, SpaceJacobian, Stored};
@@ -203,7 +204,7 @@ impl<T: Stored> Elimination<'_, T> {
     /// Numbers of the updates of all modes across a facet.
     fn numbers_of_updates(&self) -> usize {
         let parts: usize = self.shifts.iter().map(|&shift| Self::shape(self.jacobian.block, shift).parts).sum();
-        parts * self.jacobian.traces.len().pow(2)
+        parts * singles::packed(self.jacobian.traces.len().pow(2))
     }
 
     /// The updates of `ghost` along a coupling, mode by mode.
@@ -211,7 +212,7 @@ impl<T: Stored> Elimination<'_, T> {
         let updates = lock(&updates[self.ordering.positions[ghost]]);
         for mode in 0..self.shifts.len() {
             let update = updates.iter().filter(|update| (update.coupling, update.mode) == (coupling, mode));
-            out.extend(update.flat_map(|update| update.parts.iter().flatten()).map(|&x| f64::from(x)));
+            update.flat_map(|update| &update.parts).for_each(|part| singles::pack(part, out));
         }
     }
 
@@ -220,8 +221,12 @@ impl<T: Stored> Elimination<'_, T> {
         let Crossing { first, second, face } = *crossing;
         let from = (self.ordering.stage(self.ordering.positions[first]), true, coupling);
         let position = self.ordering.positions[second];
-        let single = |part: &[f64]| part.iter().map(|&x| x as f32).collect();
-        let mut parts = numbers.chunks_exact(self.jacobian.traces.len().pow(2)).map(single);
+        let len = self.jacobian.traces.len().pow(2);
+        let mut parts = numbers.chunks_exact(singles::packed(len)).map(|packed| {
+            let mut part = vec![0.0; len];
+            singles::unpack(packed, &mut part);
+            part
+        });
         let update = |(mode, &shift): (usize, &c64)| {
             let parts = parts.by_ref().take(Self::shape(self.jacobian.block, shift).parts).collect();
             Update { from, position, coupling, mode, face, parts }

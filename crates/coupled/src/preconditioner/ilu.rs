@@ -10,10 +10,11 @@ use super::modal::{Split, join, largest};
 use super::ordering::{Ordering, minimum_discarded_fill};
 use super::panel::padded;
 use super::sweeps::Shared;
-use super::{FlowPreconditioner, TimeScales};
+use super::{FactoredModes, FlowPreconditioner, TimeScales};
 use basis::TemporalModes;
 use faer::c64;
 use fem::{Layout, PerThread, Share, SlabOperator, SpaceJacobian, Stored};
+use newton_krylov::operator::Preconditioner;
 use rayon::prelude::*;
 use std::sync::Arc;
 use tensor::Arch;
@@ -64,8 +65,7 @@ impl<T: Stored> BlockIlu<T> {
         let ghosts = share.ghosts.len();
         let links = links(&jacobian, layout.cells, ghosts);
         let known = ordering.filter(|ordering| ordering.own().count() == layout.cells);
-        // The order of cells whose fill is nearly equal would change with rounding.
-        let found = || minimum_discarded_fill(&operator.space_jacobian(0.5), &links, &share, dt, modes.mean_shift());
+        let found = || minimum_discarded_fill(&jacobian, &links, &share, dt, modes.mean_shift());
         let ordering = known.unwrap_or_else(found);
         let couplings = Couplings::new(&jacobian, &links, &ordering);
         let (columns, rows) = (modes.forward.rows(), padded(jacobian.block));
@@ -108,11 +108,6 @@ impl<T: Stored> BlockIlu<T> {
         self.factor_beside(scales, other)
     }
 
-    /// Factors the modes for other times.
-    pub fn factor(&mut self, scales: TimeScales) {
-        self.factor_beside(scales, |_| ());
-    }
-
     /// The same while `other` works.
     fn factor_beside<R: Send>(&mut self, scales: TimeScales, other: impl FnOnce(&Self) -> R + Send) -> R {
         self.dt = scales.dt;
@@ -149,19 +144,9 @@ impl<T: Stored> BlockIlu<T> {
         &self.inverses[number * len..(number + 1) * len]
     }
 
-    /// The order of elimination.
-    pub fn ordering(&self) -> &Ordering {
-        &self.ordering
-    }
-
     /// The couplings of every cell.
     pub(super) fn links(&self) -> &[Vec<Link>] {
         &self.links
-    }
-
-    /// Bytes held by the Jacobian, by couplings and by factors.
-    pub fn bytes(&self) -> usize {
-        self.jacobian.bytes() + self.couplings.bytes() + size_of_val(&self.inverses[..])
     }
 
     /// Bytes that an application reads: couplings once, factors in both sweeps.
@@ -175,18 +160,6 @@ impl<T: Stored> BlockIlu<T> {
         let factors: usize = self.shapes().map(|shape| 2 * shape.parts * shape.len()).sum();
         let couplings = self.couplings.numbers();
         2 * factors * self.layout.cells + 2 * self.modes.forward.rows() * couplings
-    }
-
-    /// z = P^{-1} r.
-    pub fn apply(&mut self, r: &[f64], z: &mut [f64]) {
-        let scale = largest(&self.share, r);
-        if scale == 0.0 {
-            z.fill(0.0);
-            return;
-        }
-        self.split_into_modes(r, scale);
-        self.sweep();
-        self.join_modes(scale, z);
     }
 
     /// c = (Q^{-1} W^{-1} (x) I) r, divided by `scale`, so that single precision does not underflow.
@@ -216,6 +189,31 @@ impl<T: Stored> BlockIlu<T> {
     }
 }
 
+impl<T: Stored> Preconditioner for BlockIlu<T> {
+    fn apply(&mut self, r: &[f64], z: &mut [f64]) {
+        let scale = largest(&self.share, r);
+        if scale == 0.0 {
+            z.fill(0.0);
+            return;
+        }
+        self.split_into_modes(r, scale);
+        self.sweep();
+        self.join_modes(scale, z);
+    }
+}
+
+impl<T: Stored> FactoredModes for BlockIlu<T> {
+    fn factor(&mut self, scales: TimeScales) {
+        self.factor_beside(scales, |_| ());
+    }
+    fn ordering(&self) -> Ordering {
+        self.ordering.clone()
+    }
+    fn bytes(&self) -> usize {
+        self.jacobian.bytes() + self.couplings.bytes() + size_of_val(&self.inverses[..])
+    }
+}
+
 impl<const D: usize, const M: usize, T: Stored + 'static> FlowPreconditioner<D, M> for BlockIlu<T> {
     fn updated(
         mut self: Box<Self>,
@@ -224,18 +222,6 @@ impl<const D: usize, const M: usize, T: Stored + 'static> FlowPreconditioner<D, 
     ) -> Box<dyn FlowPreconditioner<D, M>> {
         self.update(flow, scales);
         self
-    }
-    fn factor(&mut self, scales: TimeScales) {
-        BlockIlu::factor(self, scales);
-    }
-    fn apply(&mut self, r: &[f64], z: &mut [f64]) {
-        BlockIlu::apply(self, r, z);
-    }
-    fn ordering(&self) -> Ordering {
-        self.ordering.clone()
-    }
-    fn bytes(&self) -> usize {
-        BlockIlu::bytes(self)
     }
 }
 

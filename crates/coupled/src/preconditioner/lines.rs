@@ -14,10 +14,11 @@ use super::inverse::{Shape, as_real, invert};
 use super::modal::{Split, join, largest};
 use super::ordering::Ordering;
 use super::panel::{Multiply, padded};
-use super::{FlowPreconditioner, TimeScales};
+use super::{FactoredModes, FlowPreconditioner, TimeScales};
 use basis::TemporalModes;
 use faer::c64;
 use fem::{Layout, LineJacobian, PerThread, Share, SlabOperator};
+use newton_krylov::operator::Preconditioner;
 use rayon::prelude::*;
 use std::sync::Arc;
 use tensor::Arch;
@@ -66,23 +67,6 @@ impl LinePreconditioner {
         self.factor(scales);
     }
 
-    /// Factors the modes for other times.
-    pub fn factor(&mut self, TimeScales { dt, damping }: TimeScales) {
-        let len: usize = self.shapes().map(|shape| self.jacobian.dimension * matrix_len(shape)).sum();
-        let mut inverses = std::mem::take(&mut self.inverses);
-        inverses.resize(len * self.layout.cells, 0.0);
-        inverses.par_chunks_exact_mut(len).enumerate().for_each(|(cell, mut stored)| {
-            for (shape, lambda) in self.shapes().zip(&self.modes.eigenvalues) {
-                for axis in 0..self.jacobian.dimension {
-                    let (now, rest) = std::mem::take(&mut stored).split_at_mut(matrix_len(shape));
-                    now.copy_from_slice(&self.inverse(cell, axis, shape, lambda + damping, dt));
-                    stored = rest;
-                }
-            }
-        });
-        self.inverses = inverses;
-    }
-
     /// The blocks of the modes along one axis.
     fn shapes(&self) -> impl Iterator<Item = Shape> {
         let n = self.jacobian.block;
@@ -111,21 +95,6 @@ impl LinePreconditioner {
         }
         invert(self.arch, shape, &mut f);
         as_real(shape, &f)
-    }
-
-    /// z = P^{-1} r.
-    pub fn apply(&self, r: &[f64], z: &mut [f64]) {
-        let scale = match largest(&self.share, r) {
-            0.0 => 1.0,
-            largest => largest,
-        };
-        let right_side = Split { modes: &self.modes, layout: self.layout, r, scale };
-        let len = self.inverses.len() / self.layout.cells;
-        z.par_chunks_exact_mut(self.layout.cell_len()).enumerate().with_min_len(4).for_each(|(cell, z)| {
-            z.fill(0.0);
-            let inverses = &self.inverses[cell * len..(cell + 1) * len];
-            self.scratch.with(|scratch| self.apply_to_cell(cell, inverses, &right_side, z, scratch));
-        });
     }
 
     /// Mode by mode, axis by axis.
@@ -190,9 +159,46 @@ impl LinePreconditioner {
         let lines = self.layout.nodes / self.jacobian.nodes;
         2 * self.inverses.len() * lines
     }
+}
 
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
+impl Preconditioner for LinePreconditioner {
+    fn apply(&mut self, r: &[f64], z: &mut [f64]) {
+        let scale = match largest(&self.share, r) {
+            0.0 => 1.0,
+            largest => largest,
+        };
+        let right_side = Split { modes: &self.modes, layout: self.layout, r, scale };
+        let len = self.inverses.len() / self.layout.cells;
+        z.par_chunks_exact_mut(self.layout.cell_len()).enumerate().with_min_len(4).for_each(|(cell, z)| {
+            z.fill(0.0);
+            let inverses = &self.inverses[cell * len..(cell + 1) * len];
+            self.scratch.with(|scratch| self.apply_to_cell(cell, inverses, &right_side, z, scratch));
+        });
+    }
+}
+
+impl FactoredModes for LinePreconditioner {
+    fn factor(&mut self, TimeScales { dt, damping }: TimeScales) {
+        let len: usize = self.shapes().map(|shape| self.jacobian.dimension * matrix_len(shape)).sum();
+        let mut inverses = std::mem::take(&mut self.inverses);
+        inverses.resize(len * self.layout.cells, 0.0);
+        inverses.par_chunks_exact_mut(len).enumerate().for_each(|(cell, mut stored)| {
+            for (shape, lambda) in self.shapes().zip(&self.modes.eigenvalues) {
+                for axis in 0..self.jacobian.dimension {
+                    let (now, rest) = std::mem::take(&mut stored).split_at_mut(matrix_len(shape));
+                    now.copy_from_slice(&self.inverse(cell, axis, shape, lambda + damping, dt));
+                    stored = rest;
+                }
+            }
+        });
+        self.inverses = inverses;
+    }
+
+    fn ordering(&self) -> Ordering {
+        Ordering::none()
+    }
+
+    fn bytes(&self) -> usize {
         let LineJacobian { operators, masses, .. } = &self.jacobian;
         size_of_val(&self.inverses[..]) + size_of_val(&operators[..]) + size_of_val(&masses[..])
     }
@@ -206,18 +212,6 @@ impl<const D: usize, const M: usize> FlowPreconditioner<D, M> for LinePreconditi
     ) -> Box<dyn FlowPreconditioner<D, M>> {
         self.update(flow, scales);
         self
-    }
-    fn factor(&mut self, scales: TimeScales) {
-        LinePreconditioner::factor(self, scales);
-    }
-    fn apply(&mut self, r: &[f64], z: &mut [f64]) {
-        LinePreconditioner::apply(self, r, z);
-    }
-    fn ordering(&self) -> Ordering {
-        Ordering::none()
-    }
-    fn bytes(&self) -> usize {
-        LinePreconditioner::bytes(self)
     }
 }
 

@@ -20,7 +20,7 @@ mod walk;
 
 use super::modal::largest;
 use super::ordering::Ordering;
-use super::{FlowPreconditioner, TimeScales};
+use super::{FactoredModes, FlowPreconditioner, TimeScales};
 use basis::TemporalModes;
 use factor::Factor;
 use faer::c64;
@@ -28,6 +28,7 @@ use fem::SlabOperator;
 use inner::Iteration;
 pub use inner::VECTORS;
 use matrix::NodeBlocks;
+use newton_krylov::operator::Preconditioner;
 use vectors::Modes;
 use walk::Walk;
 
@@ -76,12 +77,9 @@ impl<const D: usize, const M: usize, const W: usize> FlowPreconditioner<D, M> fo
         drop(self);
         low_order(flow, scales, Some(ordering))
     }
+}
 
-    fn factor(&mut self, TimeScales { dt, damping }: TimeScales) {
-        let shifts: Vec<c64> = self.modes.eigenvalues.iter().map(|lambda| lambda + damping).collect();
-        self.factor.compute::<D, M, W>(&self.matrix, &self.walk, self.matrix.ratio(dt), shifts);
-    }
-
+impl<const D: usize, const M: usize, const W: usize> Preconditioner for NodeIlu<D, M, W> {
     fn apply(&mut self, r: &[f64], z: &mut [f64]) {
         let scale = largest(&self.matrix.share, r);
         if scale == 0.0 {
@@ -92,6 +90,13 @@ impl<const D: usize, const M: usize, const W: usize> FlowPreconditioner<D, M> fo
         let operator = sweeps::Operator::<D, M, W> { matrix: &self.matrix, walk: &self.walk, factor: &self.factor };
         self.iteration.run(&operator);
         between.join(&self.iteration.vector, scale, z);
+    }
+}
+
+impl<const D: usize, const M: usize, const W: usize> FactoredModes for NodeIlu<D, M, W> {
+    fn factor(&mut self, TimeScales { dt, damping }: TimeScales) {
+        let shifts: Vec<c64> = self.modes.eigenvalues.iter().map(|lambda| lambda + damping).collect();
+        self.factor.compute::<D, M, W>(&self.matrix, &self.walk, self.matrix.ratio(dt), shifts);
     }
 
     fn ordering(&self) -> Ordering {

@@ -34,6 +34,7 @@ pub use panel::padded;
 pub use two_level::TwoLevel;
 
 use fem::SlabOperator;
+use newton_krylov::operator::Preconditioner;
 
 /// The times that scale a temporal mode (lambda + damping) M + dt A.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,16 +45,18 @@ pub struct TimeScales {
     pub damping: f64,
 }
 
-/// A preconditioner of the flow in a slab, made of the Jacobian in its middle. The Jacobian itself is not kept in double precision.
-pub trait FlowPreconditioner<const D: usize, const M: usize>: Send {
-    /// The preconditioner of the Jacobian that `flow` has now, in the same order of elimination.
-    fn updated(self: Box<Self>, flow: &SlabOperator<D, M>, scales: TimeScales) -> Box<dyn FlowPreconditioner<D, M>>;
+/// The factored modes of a slab. Of the flow they know the Jacobian in the middle of the slab.
+pub trait FactoredModes: Preconditioner + Send {
     /// Factors the modes of the same Jacobian for other times.
     fn factor(&mut self, scales: TimeScales);
-    /// z = P^{-1} r.
-    fn apply(&mut self, r: &[f64], z: &mut [f64]);
     /// The order of elimination; [`Ordering::none`] if no cell is eliminated.
     fn ordering(&self) -> Ordering;
     /// Bytes held.
     fn bytes(&self) -> usize;
+}
+
+/// A preconditioner of the flow in a slab.
+pub trait FlowPreconditioner<const D: usize, const M: usize>: FactoredModes {
+    /// The preconditioner of the Jacobian that `flow` has now, in the same order of elimination.
+    fn updated(self: Box<Self>, flow: &SlabOperator<D, M>, scales: TimeScales) -> Box<dyn FlowPreconditioner<D, M>>;
 }

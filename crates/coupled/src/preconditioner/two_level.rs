@@ -3,8 +3,9 @@
 use super::coarse::CoarseLevel;
 use super::ilu::BlockIlu;
 use super::ordering::Ordering;
-use super::{FlowPreconditioner, TimeScales};
+use super::{FactoredModes, FlowPreconditioner, TimeScales};
 use fem::SlabOperator;
+use newton_krylov::operator::Preconditioner;
 
 /// Block ILU(0), with a coarse level as soon as pseudo-time does not damp the flow.
 ///
@@ -55,17 +56,23 @@ impl<const D: usize, const M: usize> FlowPreconditioner<D, M> for TwoLevel {
         }
         self
     }
-    fn factor(&mut self, scales: TimeScales) {
-        self.sweeps.factor(scales);
-    }
+}
+
+impl Preconditioner for TwoLevel {
     fn apply(&mut self, r: &[f64], z: &mut [f64]) {
         match &mut self.coarse {
             Some(coarse) => coarse.apply(&mut self.sweeps, r, z),
             None => self.sweeps.apply(r, z),
         }
     }
+}
+
+impl FactoredModes for TwoLevel {
+    fn factor(&mut self, scales: TimeScales) {
+        self.sweeps.factor(scales);
+    }
     fn ordering(&self) -> Ordering {
-        self.sweeps.ordering.clone()
+        self.sweeps.ordering()
     }
     fn bytes(&self) -> usize {
         self.sweeps.bytes() + self.coarse.as_ref().map_or(0, CoarseLevel::bytes)

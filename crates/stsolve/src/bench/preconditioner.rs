@@ -2,8 +2,9 @@
 
 use super::flow::{DT, Flow, PLANE_NODES, SPACE_NODES};
 use super::subject::{Build, Size, Subject, Work, bytes};
-use coupled::preconditioner::{BlockIlu, LinePreconditioner, TimeScales};
+use coupled::preconditioner::{BlockIlu, FactoredModes, LinePreconditioner, TimeScales};
 use navier_stokes::{Boundary, Compiled, NavierStokes};
+use newton_krylov::operator::Preconditioner;
 
 /// The largest memory of the blocks of A in bytes; the factors take about half as much again.
 const MOST_BYTES: f64 = 3e8;

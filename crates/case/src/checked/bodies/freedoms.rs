@@ -103,7 +103,7 @@ impl<const D: usize> Given<'_, D> {
         let motion = self.checker.formula_of_time(key, raw)?;
         let start = motion.evaluate::<f64>(&[], self.time.start);
         let at_rest = start.abs() <= 1e-12 * self.mesh.diameter();
-        self.checker.require(
+        self.checker.require_of_formula(
             key,
             &format!("the motion at the start, {start},"),
             at_rest,
@@ -112,7 +112,12 @@ impl<const D: usize> Given<'_, D> {
         for t in self.time.check_times() {
             let value = motion.evaluate::<f64>(&[], t);
             let quantity = format!("the motion at t = {t}, {value},");
-            self.checker.require(key, &quantity, value.is_finite(), "a formula that is finite over the whole run")?;
+            self.checker.require_of_formula(
+                key,
+                &quantity,
+                value.is_finite(),
+                "a formula that is finite over the whole run",
+            )?;
         }
         Ok(motion)
     }
