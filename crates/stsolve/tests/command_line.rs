@@ -69,6 +69,24 @@ fn bench_as_json_has_the_roofs_and_a_row_per_kernel() {
     assert_eq!(of("residual")["unknowns"], 512.0);
 }
 
+/// What ranks send is within 5 % of the model of docs/src/clusters.md.
+#[test]
+fn bench_counts_messages_beside_their_model() {
+    let (code, stdout, _) = outcome(Path::new("."), &["bench", "--json", "--kernel", "messages", "--orders", "3,4"]);
+    assert_eq!(code, 0);
+    let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    let rows = json["messages"].as_array().unwrap();
+    assert_eq!(rows.len(), 2 * 2 * 4);
+    for row in rows {
+        let of = |quantity: &str| ["counted", "model"].map(|which| row[which][quantity].as_f64().unwrap());
+        let ([messages, most], [bytes, model]) = (of("messages"), of("bytes"));
+        assert!((bytes - model).abs() <= 0.05 * model, "{row}");
+        // A rank of which all cells at a cut come first has nothing for the neighbour on the way back.
+        let fewest = if row["kernel"] == "application, blocks" { most / 2.0 } else { most };
+        assert!((fewest..=most).contains(&messages), "{row}");
+    }
+}
+
 #[test]
 fn bench_refuses_what_it_cannot_measure() {
     for (option, value) in [("--orders", "1"), ("--orders", "17"), ("--kernel", "gpu"), ("--seconds", "nan")] {

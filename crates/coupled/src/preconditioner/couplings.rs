@@ -69,6 +69,10 @@ impl Couplings {
     pub fn later(&self, position: usize) -> &[Step] {
         &self.later[position]
     }
+    /// The number of the coupling of a step.
+    pub fn number(&self, step: &Step) -> usize {
+        self.links[step.block].coupling
+    }
     /// The block B of a step, in [`bf16_blocks`].
     pub fn block(&self, step: &Step) -> &[u32] {
         let len = bf16_blocks::panels(self.shape).len();

@@ -9,6 +9,7 @@
 
 use super::bf16_blocks;
 use super::blocks::{Link, coupling_block};
+use super::cuts::{Crossing, Cuts, Exchange};
 use super::face_traces::FaceTraces;
 use super::inverse::{Shape, invert};
 use super::ordering::{Ordering, Stage};
@@ -31,6 +32,8 @@ pub struct Elimination<'a, T> {
     pub ordering: &'a Ordering,
     /// The cells of this rank.
     pub share: &'a Share,
+    /// The couplings to other ranks.
+    pub cuts: &'a Cuts,
     /// The traces on every face.
     pub faces: &'a [FaceTraces],
     /// The length of the slab.
@@ -54,13 +57,6 @@ struct Update {
     parts: Vec<Vec<f32>>,
 }
 
-/// A coupling across a cut: the cell that is eliminated first, the other one, and its face.
-struct Crossing {
-    first: usize,
-    second: usize,
-    face: usize,
-}
-
 /// What is to be subtracted from D at every position.
 type Updates = Vec<Mutex<Vec<Update>>>;
 
@@ -75,9 +71,9 @@ impl<T: Stored> Elimination<'_, T> {
         let len = inverses.len() / self.share.own.len();
         let stored: Vec<Mutex<&mut [u32]>> = inverses.chunks_exact_mut(len).map(Mutex::new).collect();
         let updates: Updates = self.links.iter().map(|_| Mutex::default()).collect();
-        for stage in &self.ordering.stages {
+        for (stage, exchange) in self.ordering.stages.iter().zip(&self.cuts.forward) {
             self.factorise_stage(stage, &stored, &updates);
-            self.exchange(stage, &updates);
+            self.exchange(exchange, &updates);
         }
     }
 
@@ -168,37 +164,13 @@ impl<T: Stored> Elimination<'_, T> {
         (self.ordering.stage(position), crosses, if crosses { link.coupling } else { position })
     }
 
-    /// Sends the updates that own cells of `stage` have for ghosts to the ranks that own these, and receives those of ghosts of the stage for
-    /// own cells.
-    fn exchange(&self, stage: &Stage, updates: &Updates) {
-        let crossings = |leaving: bool| -> Vec<(Crossing, usize)> {
-            let couplings = 0..self.jacobian.couplings.len();
-            couplings.filter_map(|coupling| Some((self.crossing(stage, coupling, leaving)?, coupling))).collect()
-        };
-        let (incoming, outgoing) = (crossings(false), crossings(true));
-        let from: Vec<usize> = incoming.iter().map(|(crossing, _)| crossing.first).collect();
-        let outgoing: Vec<(usize, usize)> =
-            outgoing.into_iter().map(|(crossing, coupling)| (crossing.second, coupling)).collect();
-        let pack = |ghost: usize, coupling: usize, out: &mut Vec<f64>| self.pack(ghost, coupling, updates, out);
-        self.share.exchange_across(&outgoing, &from, self.numbers_of_updates(), pack, |item, numbers| {
-            let (crossing, coupling) = &incoming[item];
-            let received = self.unpack(crossing, *coupling, numbers);
-            lock(&updates[self.ordering.positions[crossing.second]]).extend(received);
+    /// Sends the updates for ghosts to the ranks that own these, and receives those for own cells.
+    fn exchange(&self, exchange: &Exchange, updates: &Updates) {
+        let pack = |crossing: &Crossing, out: &mut Vec<f64>| self.pack(crossing, updates, out);
+        exchange.run(self.share, self.numbers_of_updates(), pack, |crossing, numbers| {
+            let received = self.unpack(crossing, numbers);
+            lock(&updates[self.ordering.positions[crossing.own]]).extend(received);
         });
-    }
-
-    /// The cells of a coupling across a cut between ranks, if the first of them is in `stage`: it is an own cell if the update is `leaving`, else
-    /// a ghost.
-    fn crossing(&self, stage: &Stage, coupling: usize, leaving: bool) -> Option<Crossing> {
-        let (cells, faces) = (&self.jacobian.couplings[coupling].cells, &self.jacobian.couplings[coupling].faces);
-        let is_own = |cell: usize| cell < self.share.own.len();
-        let position = |cell: usize| self.ordering.positions[cell];
-        let of_stage = if leaving { &stage.own } else { &stage.ghosts };
-        let either_way = [[0, 1], [1, 0]].map(|[a, b]| Crossing { first: cells[a], second: cells[b], face: faces[b] });
-        either_way.into_iter().find(|&Crossing { first, second, .. }| {
-            let crosses = is_own(first) == leaving && is_own(second) != leaving;
-            crosses && of_stage.contains(&position(first)) && position(first) < position(second)
-        })
     }
 
     /// Numbers of the updates of all modes across a facet.
@@ -207,20 +179,20 @@ impl<T: Stored> Elimination<'_, T> {
         parts * singles::packed(self.jacobian.traces.len().pow(2))
     }
 
-    /// The updates of `ghost` along a coupling, mode by mode.
-    fn pack(&self, ghost: usize, coupling: usize, updates: &Updates, out: &mut Vec<f64>) {
-        let updates = lock(&updates[self.ordering.positions[ghost]]);
+    /// The updates of a ghost, mode by mode.
+    fn pack(&self, crossing: &Crossing, updates: &Updates, out: &mut Vec<f64>) {
+        let updates = lock(&updates[self.ordering.positions[crossing.ghost]]);
         for mode in 0..self.shifts.len() {
-            let update = updates.iter().filter(|update| (update.coupling, update.mode) == (coupling, mode));
+            let update = updates.iter().filter(|update| (update.coupling, update.mode) == (crossing.coupling, mode));
             update.flat_map(|update| &update.parts).for_each(|part| singles::pack(part, out));
         }
     }
 
-    /// The updates behind [`Self::pack`].
-    fn unpack(&self, crossing: &Crossing, coupling: usize, numbers: &[f64]) -> Vec<Update> {
-        let Crossing { first, second, face } = *crossing;
-        let from = (self.ordering.stage(self.ordering.positions[first]), true, coupling);
-        let position = self.ordering.positions[second];
+    /// The updates behind [`Self::pack`], for an own cell.
+    fn unpack(&self, crossing: &Crossing, numbers: &[f64]) -> Vec<Update> {
+        let Crossing { coupling, own, own_face, ghost, .. } = *crossing;
+        let from = (self.ordering.stage(self.ordering.positions[ghost]), true, coupling);
+        let position = self.ordering.positions[own];
         let len = self.jacobian.traces.len().pow(2);
         let mut parts = numbers.chunks_exact(singles::packed(len)).map(|packed| {
             let mut part = vec![0.0; len];
@@ -229,7 +201,7 @@ impl<T: Stored> Elimination<'_, T> {
         });
         let update = |(mode, &shift): (usize, &c64)| {
             let parts = parts.by_ref().take(Self::shape(self.jacobian.block, shift).parts).collect();
-            Update { from, position, coupling, mode, face, parts }
+            Update { from, position, coupling, mode, face: own_face, parts }
         };
         self.shifts.iter().enumerate().map(update).collect()
     }
@@ -249,7 +221,8 @@ impl<T: Stored> Elimination<'_, T> {
     }
 }
 
-fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+/// What is behind a lock, also after a panic elsewhere.
+pub fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

@@ -3,6 +3,7 @@
 use super::bf16_blocks;
 use super::blocks::{Link, links};
 use super::couplings::Couplings;
+use super::cuts::Cuts;
 use super::face_traces::FaceTraces;
 use super::factor::Elimination;
 use super::inverse::Shape;
@@ -16,7 +17,7 @@ use faer::c64;
 use fem::{Layout, PerThread, Share, SlabOperator, SpaceJacobian, Stored};
 use newton_krylov::operator::Preconditioner;
 use rayon::prelude::*;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use tensor::Arch;
 
 /// Block ILU(0) of every temporal mode of a slab.
@@ -38,8 +39,12 @@ pub struct BlockIlu<T> {
     pub(super) dt: f64,
     pub(super) arch: Arch,
     pub(super) scratch: PerThread<Scratch>,
-    /// Right-hand sides and results at every position.
+    /// Right-hand sides and results at the positions of own cells.
     pub(super) swept: Vec<Shared>,
+    /// The couplings to other ranks.
+    pub(super) cuts: Cuts,
+    /// Traces of the results of ghosts, `[column][padded trace]`, by the number of the coupling; empty where no ghost is.
+    pub(super) received: Vec<Mutex<Vec<f32>>>,
 }
 
 impl<T: Stored> BlockIlu<T> {
@@ -74,19 +79,25 @@ impl<T: Stored> BlockIlu<T> {
         let traces = columns * couplings.rows();
         let room = move || vec![0.0; traces];
         let scratch = PerThread::new(move || Scratch { taken: room(), sent: room(), turned: vec![0.0; 4 * rows] });
+        let cuts = Cuts::new(&links, &ordering, layout.cells);
+        let mut received = vec![Vec::new(); jacobian.couplings.len()];
+        cuts.crossings.iter().for_each(|crossing| received[crossing.coupling] = vec![0.0; traces]);
+        let room_at = |cell: &usize| Shared::new(if *cell < layout.cells { columns * rows } else { 0 });
         BlockIlu {
             layout,
             share,
             modes,
             links,
-            ordering,
             couplings,
             inverses: Vec::new(),
             faces: (0..faces).map(|face| FaceTraces::new(&jacobian.traces, face)).collect(),
             dt,
             arch: Arch::new(),
             scratch,
-            swept: (0..layout.cells + ghosts).map(|_| Shared::new(columns * rows)).collect(),
+            swept: ordering.cells.iter().map(room_at).collect(),
+            received: received.into_iter().map(Mutex::new).collect(),
+            cuts,
+            ordering,
             jacobian,
         }
     }
@@ -126,6 +137,7 @@ impl<T: Stored> BlockIlu<T> {
             links: &self.links,
             ordering: &self.ordering,
             share: &self.share,
+            cuts: &self.cuts,
             faces: &self.faces,
             dt,
             shifts: &shifts,

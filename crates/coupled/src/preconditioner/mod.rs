@@ -12,6 +12,7 @@ mod bf16_blocks;
 mod blocks;
 mod coarse;
 mod couplings;
+mod cuts;
 mod face_traces;
 mod factor;
 mod ilu;

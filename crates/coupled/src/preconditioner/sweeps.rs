@@ -2,6 +2,8 @@
 
 use super::bf16_blocks::{self, MultiplyBf16};
 use super::couplings::Step;
+use super::cuts::{Crossing, Cuts, Exchange};
+use super::factor::lock;
 use super::ilu::{BlockIlu, Scratch};
 use super::ordering::Stage;
 use super::panel::padded;
@@ -43,41 +45,51 @@ impl<T: Stored> BlockIlu<T> {
         if let [_] = self.ordering.stages[..] {
             return self.sweep_at_once();
         }
-        // Ghosts matter for later stages on the way forward, and for earlier ones on the way back.
-        let (stages, last) = (&self.ordering.stages, self.ordering.stages.len() - 1);
-        for (number, stage) in stages.iter().enumerate() {
+        let (stages, Cuts { forward, backward, .. }) = (&self.ordering.stages, &self.cuts);
+        for (stage, exchange) in stages.iter().zip(forward) {
             let Stage { own, .. } = stage;
             let needs = |k: usize| {
                 let neighbours = self.couplings.earlier(own.start + k).iter().map(|step| step.neighbour);
                 neighbours.filter_map(|neighbour| neighbour.checked_sub(own.start))
             };
             dependency_schedule(own.len(), self.ordering.widest_level(), needs, |k| self.eliminate(own.start + k));
-            if number < last {
-                self.exchange(stage);
-            }
+            self.exchange(exchange);
         }
-        for (number, stage) in stages.iter().enumerate().rev() {
+        for (stage, exchange) in stages.iter().zip(backward).rev() {
             let Stage { own, .. } = stage;
             let needs = |k: usize| {
                 let neighbours = self.couplings.later(own.end - 1 - k).iter().map(|step| step.neighbour);
                 neighbours.filter(|neighbour| *neighbour < own.end).map(|neighbour| own.end - 1 - neighbour)
             };
             dependency_schedule(own.len(), self.ordering.widest_level(), needs, |k| self.substitute(own.end - 1 - k));
-            if number > 0 {
-                self.exchange(stage);
-            }
+            self.exchange(exchange);
         }
     }
 
-    /// Sends the results of own cells of a stage to the ranks where they are ghosts, and receives those of ghosts.
-    fn exchange(&self, stage: &Stage) {
-        let positions = &self.ordering.positions;
-        let len = self.modes.forward.rows() * padded(self.jacobian.block);
-        let is_in_stage = |cell: usize| (stage.own.start..stage.ghosts.end).contains(&positions[cell]);
-        let send = |cell: usize, out: &mut Vec<f64>| singles::pack(&self.swept[positions[cell]].read().result, out);
-        self.share.exchange_some(is_in_stage, singles::packed(len), send, |ghost, message| {
-            singles::unpack(message, &mut self.swept[positions[ghost]].write().result);
+    /// Sends the traces of results at cuts, and receives those of ghosts.
+    fn exchange(&self, exchange: &Exchange) {
+        let (t, columns) = (self.jacobian.traces.len(), self.modes.forward.rows());
+        let pack = |crossing: &Crossing, out: &mut Vec<f64>| {
+            let mut traces = vec![0.0; columns * t];
+            self.take(self.ordering.positions[crossing.own], crossing.own_face, &mut traces);
+            singles::pack(&traces, out);
+        };
+        exchange.run(&self.share, singles::packed(columns * t), pack, |crossing, message| {
+            let mut traces = vec![0.0; columns * t];
+            singles::unpack(message, &mut traces);
+            let mut received = lock(&self.received[crossing.coupling]);
+            let padded = received.chunks_exact_mut(self.couplings.rows());
+            padded.zip(traces.chunks_exact(t)).for_each(|(padded, traces)| padded[..t].copy_from_slice(traces));
         });
+    }
+
+    /// The traces of the result at `position` on a face of its cell, one column after the other in chunks of equal length.
+    fn take(&self, position: usize, face: usize, traces: &mut [f32]) {
+        let swept = self.swept[position].read();
+        let (rows, stride) = (padded(self.jacobian.block), traces.len() / self.modes.forward.rows());
+        for (x, traces) in swept.result.chunks_exact(rows).zip(traces.chunks_exact_mut(stride)) {
+            self.faces[face].take(x, traces);
+        }
     }
 
     /// Both sweeps, where one block has all cells: the backward sweep begins before the forward one has ended.
@@ -125,9 +137,10 @@ impl<T: Stored> BlockIlu<T> {
         let half = self.jacobian.traces.len().div_ceil(2);
         self.scratch.with(|Scratch { taken, sent, .. }| {
             for step in steps {
-                let neighbour = self.swept[step.neighbour].read();
-                for (x, taken) in neighbour.result.chunks_exact(rows).zip(taken.chunks_exact_mut(t)) {
-                    self.faces[step.other_face].take(x, taken);
+                if self.ordering.cells[step.neighbour] < self.layout.cells {
+                    self.take(step.neighbour, step.other_face, taken);
+                } else {
+                    taken.copy_from_slice(&lock(&self.received[self.couplings.number(step)]));
                 }
                 sent.fill(0.0);
                 let matrix = self.couplings.block(step);

@@ -1,8 +1,8 @@
 //! Residual and exact Jacobian products of the flow: viscous, on a curved mesh in motion.
 
 use super::subject::{Build, Size, Subject, Work, bytes};
-use fem::{Bottom, Differentiate, Orders, Problem, SlabOperator};
-use mesh::{BoxMesh, Curving, NodeNumbering};
+use fem::{Bottom, Differentiate, Orders, Problem, Share, SlabOperator};
+use mesh::{BoxMesh, Curving, Mesh, MeshError, NodeNumbering};
 use navier_stokes::{
     Boundary, Compiled, Gas, NavierStokes, Primitive, Reference, Riemann, Source, Viscosity, VolumeFlux, WallFlux,
 };
@@ -31,16 +31,27 @@ fn wave(i: usize) -> f64 {
     (0.7 * i as f64).sin()
 }
 
+/// A curved mesh of `cells` cells per direction.
+pub(super) fn periodic_box<const D: usize>(cells: usize, order: usize) -> Result<Mesh<D>, MeshError> {
+    let curving = Curving::Wavy { amplitude: 0.02 };
+    BoxMesh { lower: [0.0; D], upper: [1.0; D], cells: [cells; D], order, curving, periodic: [true; D] }.build()
+}
+
 impl<const D: usize, const M: usize> Flow<D, M>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
     /// On `cells` cells per direction, of the orders of `size`.
-    pub(super) fn on(cells: usize, Size { order, mesh_order, quadrature, .. }: Size) -> anyhow::Result<Self> {
-        let curving = Curving::Wavy { amplitude: 0.02 };
-        let (lower, upper, cells, periodic) = ([0.0; D], [1.0; D], [cells; D], [true; D]);
-        let mesh = BoxMesh { lower, upper, cells, order: mesh_order, curving, periodic }.build()?;
-        let numbering = NodeNumbering::new(&mesh, mesh_order);
+    pub(super) fn on(cells: usize, size: Size) -> anyhow::Result<Self> {
+        let mesh = periodic_box(cells, size.mesh_order)?;
+        let share = Share::whole(&mesh);
+        Self::of_share(&mesh, size, share)
+    }
+
+    /// On a share of `mesh`.
+    pub(super) fn of_share(mesh: &Mesh<D>, size: Size, share: Share) -> anyhow::Result<Self> {
+        let Size { order, mesh_order, quadrature, .. } = size;
+        let numbering = NodeNumbering::new(mesh, mesh_order);
         let gas = Gas::new(1.4, 1.0, 0.72, Viscosity::Constant(1e-3))?;
         let law = NavierStokes {
             gas,
@@ -53,7 +64,7 @@ where
         };
         let problem = Problem { kernels: law.kernels(Vec::new()), data: Vec::new(), source: None };
         let orders = Orders { flow: order, mesh: mesh_order, time: TIME_ORDER };
-        let mut operator = SlabOperator::new(problem, &mesh, numbering, orders, quadrature);
+        let mut operator = SlabOperator::of_share(problem, mesh, &numbering, orders, quadrature, share);
         let mean: [f64; M] = Primitive { density: 1.0, velocity: [0.4; D], pressure: 1.0 }.pack(&gas);
         let layout = operator.layout;
         let state: Vec<f64> =

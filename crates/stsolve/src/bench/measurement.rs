@@ -1,5 +1,6 @@
 //! The results: rows of text, JSON for programs.
 
+use super::messages::MessageCount;
 use super::roofs::Machine;
 use super::subject::{Size, Work};
 use serde::Serialize;
@@ -95,11 +96,12 @@ impl fmt::Display for Measurement {
 pub(super) struct Report {
     pub(super) machine: Machine,
     pub(super) rows: Vec<Measurement>,
+    pub(super) messages: Vec<MessageCount>,
 }
 
 impl Report {
     pub(super) fn new(machine: Machine) -> Self {
-        Report { machine, rows: Vec::new() }
+        Report { machine, rows: Vec::new(), messages: Vec::new() }
     }
 
     /// The machine, and the names of the columns. All columns except the last are for one core.

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `roofs` | the peak of the machine: fused multiply-adds per second, bytes per second |
 //! | `subject` | the measured kernels, and their amount of work |
+//! | `messages` | what ranks send each other, beside a model |
 //! | `elastic`, `elastic_solvers`, `flow`, `preconditioner`, `vectors` | the subjects |
 //! | `stopwatch` | the best of many short bursts |
 //! | `measurement` | the results: rows of text, JSON for programs |
@@ -12,6 +13,7 @@ mod elastic;
 mod elastic_solvers;
 mod flow;
 mod measurement;
+mod messages;
 mod preconditioner;
 mod roofs;
 mod stopwatch;
@@ -25,6 +27,7 @@ use elastic::Elastic;
 use elastic_solvers::ElasticSolvers;
 use flow::Flow;
 use measurement::{Growth, Measurement, Report};
+use messages::MessageCount;
 use preconditioner::{ByLines, Preconditioned};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use roofs::Machine;
@@ -41,18 +44,31 @@ pub fn bench(arguments: &BenchArguments) -> Result<(), Failure> {
     let pools = [pool(1)?, pool(0)?];
     let machine = Machine::measure(&pools, arguments.seconds);
     let mut report = Report::new(machine);
+    let (counted, timed): (Vec<Group>, Vec<Group>) = arguments.groups().iter().partition(|group| group.is_counted());
+    if !timed.is_empty() {
+        time(&timed, &mut report, &pools, arguments)?;
+    }
+    if !counted.is_empty() {
+        count_messages(&mut report, arguments)?;
+    }
+    if arguments.json { print(&report.json()) } else { Ok(()) }
+}
+
+/// The kernels that are measured in seconds.
+fn time(
+    groups: &[Group],
+    report: &mut Report,
+    pools: &[ThreadPool; 2],
+    arguments: &BenchArguments,
+) -> Result<(), Failure> {
     if !arguments.json {
         print(&report.heading())?;
     }
     for dimension in arguments.dimensions() {
-        for &group in arguments.groups() {
+        for &group in groups {
             let mut growth = Growth::default();
             for order in arguments.orders() {
-                let mesh_order = arguments.mesh_order.map_or(order, usize::from);
-                let (quadrature, nodes) = (arguments.quadrature.rule(), arguments.nodes.map(usize::from));
-                let size = Size { dimension, order, mesh_order, quadrature, nodes };
-                let rows = measure(group, size, &pools, arguments)?;
-                for measurement in rows {
+                for measurement in measure(group, size(arguments, dimension, order), pools, arguments)? {
                     report.rows.push(growth.of(measurement).against(&report.machine));
                     if let (false, Some(row)) = (arguments.json, report.rows.last()) {
                         print(&row.to_string())?;
@@ -61,7 +77,33 @@ pub fn bench(arguments: &BenchArguments) -> Result<(), Failure> {
             }
         }
     }
-    if arguments.json { print(&report.json()) } else { Ok(()) }
+    Ok(())
+}
+
+/// The messages of ranks.
+fn count_messages(report: &mut Report, arguments: &BenchArguments) -> Result<(), Failure> {
+    if !arguments.json {
+        print(MessageCount::HEADING)?;
+    }
+    for dimension in arguments.dimensions() {
+        for order in arguments.orders() {
+            let size = size(arguments, dimension, order);
+            let rows = if dimension == 2 { messages::count::<2, 4>(size) } else { messages::count::<3, 5>(size) };
+            for row in rows.map_err(Failure::solve)? {
+                if !arguments.json {
+                    print(&row.to_string())?;
+                }
+                report.messages.push(row);
+            }
+        }
+    }
+    Ok(())
+}
+
+fn size(arguments: &BenchArguments, dimension: usize, order: usize) -> Size {
+    let mesh_order = arguments.mesh_order.map_or(order, usize::from);
+    let (quadrature, nodes) = (arguments.quadrature.rule(), arguments.nodes.map(usize::from));
+    Size { dimension, order, mesh_order, quadrature, nodes }
 }
 
 /// A pool of threads; 0 asks for one per core.
@@ -92,6 +134,7 @@ fn measure(
             three::<Preconditioned<3, 5>, ByLines<3, 5>, ElasticSolvers<3>>(size, pools, arguments)
         }
         (Group::Vectors, _) => of::<Vectors>(size, pools, arguments),
+        (Group::Messages, _) => Ok(Vec::new()),
     }
 }
 

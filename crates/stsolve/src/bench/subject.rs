@@ -13,9 +13,15 @@ pub enum Group {
     Preconditioner,
     /// The work of FGMRES on vectors.
     Vectors,
+    /// What ranks send each other for a flow, beside a model: counts, not seconds.
+    Messages,
 }
 
 impl Group {
+    /// Whether messages are counted, not seconds measured.
+    pub(super) fn is_counted(self) -> bool {
+        self == Group::Messages
+    }
     /// As on the command line.
     pub(super) fn name(self) -> &'static str {
         match self {
@@ -23,6 +29,7 @@ impl Group {
             Group::Flow => "flow",
             Group::Preconditioner => "preconditioner",
             Group::Vectors => "vectors",
+            Group::Messages => "messages",
         }
     }
 }
