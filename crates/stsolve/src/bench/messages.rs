@@ -6,7 +6,7 @@
 //! residual             8 M N_t N^D          for every cell at a cut and neighbour
 //! product              8 2 M N_t N^(D-1)    for every facet at a cut: values and derivatives
 //! application          4 2 M N_t N^(D-1)    for every facet at a cut: "blocks" sends traces in one of its two sweeps
-//! sum of 16 numbers    8 * 16               for every rank, to all
+//! maximum of a vector  8                    for every rank, to all
 //! ```
 //!
 //! In an application a facet is sent by one of its two ranks in each sweep. Messages do not depend on the machine, so ranks are threads of this process.
@@ -17,6 +17,7 @@ use coupled::preconditioner::{BlockIlu, TimeScales};
 use fem::{Blocks, Share};
 use mesh::Mesh;
 use navier_stokes::{Boundary, Compiled, NavierStokes};
+use newton_krylov::inner_product::largest_size;
 use newton_krylov::operator::Preconditioner;
 use ranks::{Communicator, Counting, Sums, Threads};
 use rayon::ThreadPoolBuilder;
@@ -29,9 +30,6 @@ const RANKS: usize = 8;
 
 /// Cells per direction in 2-D and in 3-D.
 const CELLS: [usize; 2] = [16, 6];
-
-/// Numbers that are summed: those of an iteration of FGMRES.
-const SUMMED: usize = 16;
 
 /// Messages and bytes, of a rank on average.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -66,7 +64,7 @@ impl fmt::Display for MessageCount {
 }
 
 /// The kernels, in the order of [`counted`] and [`model`].
-const KERNELS: [&str; 4] = ["residual", "product", "application, blocks", "sum of 16 numbers"];
+const KERNELS: [&str; 4] = ["residual", "product", "application, blocks", "maximum of a vector"];
 
 /// Counts the messages of all kernels at the order of `size`.
 ///
@@ -135,10 +133,10 @@ where
     let product = sent(&mut || flow.run(1));
     let mut out = vec![0.0; flow.state.len()];
     let application = sent(&mut || preconditioner.apply(&flow.state, &mut out));
-    let sum = sent(&mut || {
-        flow.operator.share.sums.total(&[1.0; SUMMED], SUMMED);
+    let maximum = sent(&mut || {
+        largest_size(&flow.state, &flow.operator.share.sums);
     });
-    [residual, product, application, sum]
+    [residual, product, application, maximum]
 }
 
 /// The model of the messages of this rank.
@@ -151,6 +149,6 @@ fn model<const D: usize, const M: usize>(flow: &Flow<D, M>, order: usize) -> [Se
         sent(neighbours, 8 * layout.cell_len() * cells),
         sent(neighbours, 8 * 2 * layout.cell_len() / order * facets),
         sent(2 * neighbours, 4 * 2 * layout.cell_len() / order * facets),
-        sent(0, 8 * SUMMED),
+        sent(0, 8),
     ]
 }
