@@ -65,13 +65,17 @@ impl<T: Stored> BlockIlu<T> {
         dt: f64,
         ordering: Option<Ordering>,
     ) -> Self {
-        let (layout, share) = (operator.layout, operator.share.clone());
-        let (modes, jacobian) = (TemporalModes::new(&operator.tables.time), operator.space_jacobian(0.5));
-        let ghosts = share.ghosts.len();
-        let links = links(&jacobian, layout.cells, ghosts);
+        let (layout, share, modes) =
+            (operator.layout, operator.share.clone(), TemporalModes::new(&operator.tables.time));
         let known = ordering.filter(|ordering| ordering.own().count() == layout.cells);
-        let found = || minimum_discarded_fill(&jacobian, &links, &share, dt, modes.mean_shift());
-        let ordering = known.unwrap_or_else(found);
+        // Its Jacobian is dropped before the one of type T is made.
+        let ordering = known.unwrap_or_else(|| {
+            let jacobian = operator.space_jacobian(0.5);
+            let links = links(&jacobian, layout.cells, share.ghosts.len());
+            minimum_discarded_fill(&jacobian, &links, &share, dt, modes.mean_shift())
+        });
+        let jacobian = operator.space_jacobian(0.5);
+        let links = links(&jacobian, layout.cells, share.ghosts.len());
         let couplings = Couplings::new(&jacobian, &links, &ordering);
         let (columns, rows) = (modes.forward.rows(), padded(jacobian.block));
         // A rank of few cells meets some faces on ghosts alone.
