@@ -9,7 +9,9 @@
 //! maximum of a vector  8                    for every rank, to all
 //! ```
 //!
-//! In an application a facet is sent by one of its two ranks in each sweep. Messages do not depend on the machine, so ranks are threads of this process.
+//! In an application a facet is sent by one of its two ranks in each sweep.
+//!
+//! Messages do not depend on the machine, so ranks are threads of this process.
 
 use super::flow::{DT, Flow, periodic_box};
 use super::subject::{Size, Subject};
