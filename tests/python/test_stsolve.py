@@ -5,6 +5,7 @@ import contextlib
 import gc
 import inspect
 import io
+import json
 import os
 import re
 import signal
@@ -59,6 +60,31 @@ def test_slabs_have_the_rows_of_the_history(directory):
         assert (slab.time, slab.dt) == (slab["t"], slab["dt"]) and "newton" in slab and "wind" not in slab
     assert "newton" in str(raised(KeyError, lambda: slabs[0]["wind"]))
     assert repr(slabs[0]) == "stsolve.Slab(1, time = 0.125, dt = 0.125)"
+
+
+def test_any_number_of_threads_gives_the_same_bits(directory):
+    results = []
+    for threads in (1, 2):
+        case, output = stsolve.Case(CASES / "vortex.toml", VORTEX), directory / str(threads)
+        case.run(output=output, threads=threads)
+        results.append(stsolve.Result(output).array("flow"))
+    assert (results[0] == results[1]).all()
+    raised(ValueError, lambda: case.run(output=directory / "none", threads=0))
+
+
+def test_messages_speak_python(directory):
+    """Remedies name parameters of Case.run, and not those of the command or of Rust."""
+    run(directory)
+    refused = str(raised(stsolve.CaseError, lambda: run(directory)))
+    assert 'existing="resume"' in refused and 'existing="replace"' in refused and "Existing::" not in refused, refused
+    case = stsolve.Case(CASES / "vortex.toml", LONG)
+    stopped = case.run(output=directory, existing="replace", on_slab=lambda slab: False)
+    assert "--resume" not in stopped["reason"] and "request" in stopped["reason"], stopped["reason"]
+
+
+def test_command_by_the_module(directory):
+    shown = subprocess.run([sys.executable, "-m", "stsolve", "--version"], capture_output=True, text=True)
+    assert shown.returncode == 0 and stsolve.__version__ in shown.stdout
 
 
 def test_history_is_written_before_the_slab_is_told(directory):
@@ -257,11 +283,69 @@ def test_interrupt_stops_the_run_with_a_checkpoint(directory):
     assert 0 < done < more[0] <= done + 0.002
 
 
+def test_boundary_layer_of_a_known_profile(directory):
+    """u = sin(pi y / 2) up to y = 1 has the thicknesses 1 - 2 / pi, 2 / pi - 1 / 2, and that of energy 2 / (3 pi)."""
+    settings = {
+        "mesh": {"order": 6, "generate": {"box": {"lower": [0, 0], "upper": [1, 1], "cells": [1, 3], "periodic": ["x"]}}},
+        "flow": {
+            "order": 6,
+            "gas": {"viscosity": {"constant": 1e-3}},
+            "reference": {"density": 1, "speed": 1, "pressure": 20},
+            "initial": {"expression": {"density": "1", "velocity": ["sin(pi * y / 2)", "0"], "pressure": "20"}},
+            "boundary": {"bottom": {"adiabatic_wall": {}}, "top": "slip_wall"},
+        },
+        "time": {"order": 1, "end": 1e-9, "slabs": 1},
+        "output": {"surfaces": {"walls": ["bottom"]}},
+    }
+    case = directory.parent / "layer.toml"
+    case.write_text("".join(f"{key} = {inline(value)}\n" for key, value in settings.items()))
+    stsolve.Case(case).run(output=directory)
+    layer = stsolve.boundary_layer(stsolve.Result(directory), "bottom", 1.0)
+    exact = {
+        "displacement_thickness": 1 - 2 / np.pi,
+        "momentum_thickness": 2 / np.pi - 0.5,
+        "energy_thickness": 2 / (3 * np.pi),
+        "edge_velocity": 1.0,
+        "thickness": 2 / np.pi * np.arcsin(0.99),
+    }
+    for name, value in exact.items():
+        error = np.abs(layer[name] / value - 1).max()
+        assert error < (0.02 if name == "thickness" else 1e-3), (name, error)
+    assert np.allclose(layer["shape_factor"], layer["displacement_thickness"] / layer["momentum_thickness"])
+    beyond = stsolve.boundary_layer(stsolve.Result(directory), "bottom", 1.5)
+    assert all(np.isnan(values).all() for values in beyond.values()), "the lines leave the mesh"
+
+
+def inline(value):
+    """A value of a case as TOML: JSON's lists, texts and numbers are TOML's."""
+    if isinstance(value, dict):
+        return "{%s}" % ", ".join(f"{key} = {inline(entry)}" for key, entry in value.items())
+    return json.dumps(value)
+
+
+def test_spectrum_has_the_variance_and_the_frequency():
+    rng = np.random.default_rng(1)
+    times = np.sort(rng.uniform(0, 40, 4000))
+    values = 3 + 0.5 * np.sin(2 * np.pi * 1.25 * times)
+    for segments in (1, 3, 4):
+        frequencies, density = stsolve.spectrum(times, values, segments)
+        assert abs(frequencies[density.argmax()] - 1.25) < frequencies[1]
+        variance = density.sum() * frequencies[1]
+        assert abs(variance / 0.125 - 1) < 0.02, (segments, variance)
+    assert "increasing" in str(raised(ValueError, lambda: stsolve.spectrum(times[::-1], values)))
+    assert "segments" in str(raised(ValueError, lambda: stsolve.spectrum(times, values, 1000)))
+
+
 def test_stubs_describe_the_module():
     """Every member has a docstring in the stubs, and the parameters of the module."""
     stubs = ast.parse((Path(stsolve.__file__).parent / "__init__.pyi").read_text())
     classes = {node.name: node for node in stubs.body if isinstance(node, ast.ClassDef)}
     assert set(classes) == {name for name in stsolve.__all__ if inspect.isclass(getattr(stsolve, name))}
+    functions = {node.name: node for node in stubs.body if isinstance(node, ast.FunctionDef)}
+    assert set(functions) == {name for name in stsolve.__all__ if inspect.isfunction(getattr(stsolve, name))}
+    for name, stub in functions.items():
+        assert ast.get_docstring(stub) and getattr(stsolve, name).__doc__, name
+        assert [argument.arg for argument in stub.args.args] == list(inspect.signature(getattr(stsolve, name)).parameters)
     for name, stub in classes.items():
         members = {node.name: node for node in stub.body if isinstance(node, ast.FunctionDef)}
         assert ast.get_docstring(stub) and all(ast.get_docstring(member) for member in members.values()), name

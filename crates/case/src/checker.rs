@@ -1,14 +1,15 @@
 //! Checks used by several sections of a case. Every method names the key of its error.
 
 use super::choices::choices;
+use super::consequences::Damage;
 use super::document::Document;
-use super::error::{CaseError, Cause};
+use super::error::{CaseError, Cause, Errors, collected};
 use super::key::Key;
 use super::magnitude::{self, is_computable};
 use super::raw::{Axis, Field, Formula};
 use super::vector::Vector;
 use crate::checked::Control;
-use crate::expression::{Names, Program, Table};
+use crate::expression::{ExpressionError, Names, Problem, Program, Table};
 use navier_stokes::InvalidParameter;
 use serde::Serialize;
 use std::cell::RefCell;
@@ -24,6 +25,13 @@ pub(super) struct Checker<'a> {
     names: Names,
     controls: Vec<Control>,
     defaults: RefCell<Vec<(String, String)>>,
+    damage: Damage,
+}
+
+/// A checker that knows the sound constants, and the errors of the others.
+pub(super) struct Sound<'a> {
+    pub(super) checker: Checker<'a>,
+    pub(super) errors: Errors,
 }
 
 /// The name for all boundaries that are not named.
@@ -35,22 +43,48 @@ const CONTROLLED: [&str; 2] = ["flow.source", "flow.boundary"];
 const FREE_NAME: &str = "another name, of letters, digits and _; not x, y, z, s, t, pi, a function or a constant";
 
 impl<'a> Checker<'a> {
-    /// A checker of `document` with its `constants`.
-    pub(super) fn new(document: &'a Document, constants: &BTreeMap<String, Formula>) -> Checked<Self> {
-        let mut checker =
-            Checker { document, names: Names::constants_only(), controls: Vec::new(), defaults: RefCell::default() };
-        let table = Key::new("constants");
+    /// A checker of `document` with those of its `constants` that have no error, and the errors of the others.
+    pub(super) fn of_constants(
+        document: &'a Document,
+        constants: &BTreeMap<String, Formula>,
+        damage: Damage,
+    ) -> Sound<'a> {
+        let (names, defaults) = (Names::constants_only(), RefCell::default());
+        let mut checker = Checker { document, names, controls: Vec::new(), defaults, damage };
+        let (mut errors, table) = (Errors::default(), Key::new("constants"));
         // In the order of the text, so that a constant may use those above it.
         let mut ordered: Vec<_> = constants.iter().map(|(name, formula)| (table.child(name), name, formula)).collect();
         ordered.sort_by_key(|(key, ..)| document.position(key));
         for (key, name, formula) in ordered {
-            let value = checker.program(&key, formula, &checker.names)?.evaluate(&[], 0.0);
-            checker.computable(&key, "the constant", value)?;
-            if !checker.names.define(name, value) {
-                return Err(checker.combination(&key, &format!("a constant cannot be called `{name}`"), FREE_NAME));
+            if errors.note(checker.define_constant(&key, name, formula)).is_none() {
+                checker.damage.add(key);
             }
         }
-        Ok(checker)
+        Sound { checker, errors }
+    }
+
+    fn define_constant(&mut self, key: &Key, name: &str, formula: &Formula) -> Checked<()> {
+        let value = self.program(key, formula, &self.names)?.evaluate(&[], 0.0);
+        self.computable(key, "the constant", value)?;
+        if self.names.define(name, value) {
+            return Ok(());
+        }
+        Err(self.combination(key, &format!("a constant cannot be called `{name}`"), FREE_NAME))
+    }
+
+    /// The definition of a name for formulas, at `key`, has an error: formulas with this name have no error of their own.
+    pub(super) fn lose(&mut self, key: Key) {
+        self.damage.add(key);
+    }
+
+    /// The parts of the case that are not as the user meant them.
+    pub(super) fn damage(&self) -> &Damage {
+        &self.damage
+    }
+
+    /// The error of a value that cannot be checked because of another error.
+    pub(super) fn follows(&self, key: &Key) -> Box<CaseError> {
+        self.error(key, Cause::Follows)
     }
 
     /// Defines the function `name` of `table` for formulas.
@@ -275,8 +309,8 @@ impl<'a> Checker<'a> {
     fn programs<const D: usize>(&self, key: &Key, formulas: &[Formula], names: &Names) -> Checked<Vector<D>> {
         let formulas: [Formula; D] = self.vector(key, formulas)?;
         let program = |(axis, formula): (usize, &Formula)| self.program(&key.entry(axis), formula, names);
-        let programs: Checked<Vec<Program>> = formulas.iter().enumerate().map(program).collect();
-        Ok(Vector::new(self.vector(key, &programs?)?))
+        let programs = collected(formulas.iter().enumerate().map(program))?;
+        Ok(Vector::new(self.vector(key, &programs)?))
     }
 
     fn program(&self, key: &Key, formula: &Formula, names: &Names) -> Checked<Program> {
@@ -286,8 +320,7 @@ impl<'a> Checker<'a> {
                 let may_be_controlled = CONTROLLED.iter().any(|section| key.to_string().starts_with(section));
                 let controls = self.controls.iter().filter(|_| may_be_controlled);
                 let names = names.with_controls(controls.map(|control| (control.name.clone(), control.value.clone())));
-                let program =
-                    Program::compile(text, &names).map_err(|error| self.error(key, Cause::Expression(error)))?;
+                let program = Program::compile(text, &names).map_err(|error| self.wrong_formula(key, error))?;
                 // Where a formula has no value, the place where one is needed is told.
                 let constant = program.as_constant().filter(|value| value.is_finite());
                 self.computable(key, "the formula", constant.unwrap_or(0.0))?;
@@ -296,16 +329,25 @@ impl<'a> Checker<'a> {
         }
     }
 
+    /// The error of a formula. A name whose definition has an error is not an error of the formula.
+    fn wrong_formula(&self, key: &Key, error: ExpressionError) -> Box<CaseError> {
+        match &error.problem {
+            Problem::UnknownName { name, .. } if self.damage.hides_name(name) => self.follows(key),
+            _ => self.error(key, Cause::Expression(error)),
+        }
+    }
+
     /// The indices of the boundaries of the mesh with these `names`.
     pub(super) fn boundaries(&self, key: &Key, names: &[String], known: &[String]) -> Checked<Vec<usize>> {
         let index = |(entry, name): (usize, &String)| {
             let unknown = || {
-                let cause = Cause::Unknown { kind: "boundary", name: name.clone(), accepted: known.to_vec() };
+                let cause =
+                    Cause::Unknown { kind: "boundary", name: name.clone(), accepted: known.to_vec(), belongs: None };
                 self.error(&key.entry(entry), cause)
             };
             known.iter().position(|other| other == name).ok_or_else(unknown)
         };
-        self.distinct(key, "boundary", names)?.iter().enumerate().map(index).collect()
+        collected(self.distinct(key, "boundary", names)?.iter().enumerate().map(index))
     }
 
     /// For each of the `boundaries` of the mesh its entry in the table `given` at `key`, with the key of that entry.
@@ -341,12 +383,40 @@ impl<'a> Checker<'a> {
         Ok(boundaries.iter().map(entry).collect())
     }
 
+    /// The same for those boundaries that have an entry; nothing is an error.
+    pub(super) fn entries_of_boundaries<'b, T>(
+        &self,
+        key: &Key,
+        given: &'b BTreeMap<String, T>,
+        boundaries: &[String],
+    ) -> Vec<(usize, Key, &'b T)> {
+        let entry = |(index, boundary): (usize, &String)| {
+            let (name, value) = given.get_key_value(name_of(given, boundary))?;
+            Some((index, key.child(name), value))
+        };
+        boundaries.iter().enumerate().filter_map(entry).collect()
+    }
+
+    /// The entries of the table `given` that belong to no boundary of the mesh, with their keys.
+    pub(super) fn entries_of_none<'b, T>(
+        &self,
+        key: &Key,
+        given: &'b BTreeMap<String, T>,
+        boundaries: &[String],
+    ) -> Vec<(Key, &'b T)> {
+        let is_unknown = |name: &String| *name != OTHERS && !boundaries.contains(name);
+        given.iter().filter(|(name, _)| is_unknown(name)).map(|(name, value)| (key.child(name), value)).collect()
+    }
+
     /// Checks that the table `given` names only boundaries of the mesh.
     fn known_boundaries<T>(&self, key: &Key, given: &BTreeMap<String, T>, boundaries: &[String]) -> Checked<()> {
-        let Some(name) = given.keys().find(|name| *name != OTHERS && !boundaries.contains(name)) else { return Ok(()) };
-        let accepted = boundaries.iter().cloned().chain([OTHERS.to_owned()]).collect();
-        let unknown = Cause::Unknown { kind: "boundary", name: name.clone(), accepted };
-        Err(self.error(&key.child(name), unknown))
+        let accepted: Vec<String> = boundaries.iter().cloned().chain([OTHERS.to_owned()]).collect();
+        let check = |name: &String| {
+            let unknown =
+                || Cause::Unknown { kind: "boundary", name: name.clone(), accepted: accepted.clone(), belongs: None };
+            if accepted.contains(name) { Ok(()) } else { Err(self.error(&key.child(name), unknown())) }
+        };
+        collected(given.keys().map(check)).map(drop)
     }
 }
 

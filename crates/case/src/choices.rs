@@ -20,6 +20,41 @@ pub(super) fn choice_of_number(key: &Key) -> Option<String> {
     })
 }
 
+/// A value of the type that the schema has at `key`, as text, if that is a number, a text or a list of numbers.
+pub(super) fn stand_in(key: &Key) -> Option<&'static str> {
+    let schema = raw::schema().to_value();
+    at(&schema, key).into_iter().find_map(|value| match type_of(value)? {
+        "integer" => Some("4"),
+        "number" => Some("1.0"),
+        "string" if !value["enum"].is_array() && !value["const"].is_string() => Some("\"x\""),
+        "array" => Some(match value["minItems"].as_u64() {
+            None => "[]",
+            Some(2) => "[4, 4]",
+            Some(_) => "[4, 4, 4]",
+        }),
+        _ => None,
+    })
+}
+
+/// An example of a value at `key`, if it is no table.
+pub(super) fn example(key: &Key) -> Option<&'static str> {
+    let schema = raw::schema().to_value();
+    let found = at(&schema, key);
+    let is_table = found.iter().any(|value| type_of(value) == Some("object"));
+    found.into_iter().filter(|_| !is_table).find_map(|value| match type_of(value)? {
+        "integer" => Some("8"),
+        "number" => Some("1.0"),
+        "string" => Some("\"...\""),
+        "array" => Some("[...]"),
+        _ => None,
+    })
+}
+
+/// The first type of a value of the schema.
+fn type_of(value: &Value) -> Option<&str> {
+    value["type"].as_str().or_else(|| value["type"][0].as_str())
+}
+
 /// What the schema has at `key`.
 fn at<'a>(schema: &'a Value, key: &Key) -> Vec<&'a Value> {
     let start = alternatives(schema, schema);

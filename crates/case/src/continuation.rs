@@ -1,6 +1,6 @@
 //! Conditions for continuing the run of another case.
 
-use super::continued_tables;
+use super::continued_tables::{self, LongerTable};
 use super::raw::{Adaptive, Case, Output, Solver, Steady, Time};
 use std::fmt;
 
@@ -53,6 +53,15 @@ pub struct Differences {
     pub all: Vec<Difference>,
     /// In the part that the states depend on.
     pub lasting: Vec<Difference>,
+    /// Longer tables among those of `lasting`.
+    pub longer_tables: Vec<LongerTable>,
+}
+
+impl Differences {
+    /// The longer table that has caused `difference`.
+    pub fn longer_table(&self, difference: &Difference) -> Option<&LongerTable> {
+        self.longer_tables.iter().find(|table| difference.key.starts_with(&format!("tables.{}.", table.name)))
+    }
 }
 
 /// The differences between the resolved cases `before` and `now`, as text.
@@ -71,7 +80,11 @@ pub fn differences_after(before: &str, now: &str, reached: f64) -> Result<Differ
     let (before, now) = (parsed(before)?, parsed(now)?);
     let mut lasting_now = lasting(&now);
     continued_tables::take_back(&mut lasting_now, &before, reached);
-    Ok(Differences { all: compared(&before, &now), lasting: compared(&lasting(&before), &lasting_now) })
+    Ok(Differences {
+        all: compared(&before, &now),
+        lasting: compared(&lasting(&before), &lasting_now),
+        longer_tables: continued_tables::longer(&lasting_now, &before, reached),
+    })
 }
 
 /// The part of a resolved case that a run must share with the run that it continues, as text.

@@ -2,6 +2,7 @@
 
 use crate::expression::{Ends, Table, is_taken_at_time_alone};
 use crate::raw::{self, Case};
+use std::fmt;
 
 /// Two splines agree if they differ by less than this part of their largest value: round-off.
 const ROUND_OFF: f64 = 1e-13;
@@ -21,6 +22,75 @@ pub(super) fn take_back(now: &mut Case, before: &Case, reached: f64) {
     for name in agreeing {
         now.tables.insert(name.clone(), before.tables[&name].clone());
     }
+}
+
+/// The points of a table after which the spline before them does not notice a new point at its end, to round-off.
+const POINTS_BEFORE_END: usize = 20;
+
+/// A table with more points at its end that cannot take the place of the shorter one, because the run has used what they change.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LongerTable {
+    /// Its name.
+    pub name: String,
+    /// The time that the run has reached.
+    pub reached: f64,
+    /// The end of the shorter table.
+    pub former_end: f64,
+    /// The points of the shorter table after the time reached.
+    pub points_between: usize,
+    /// Whether formulas take the table at the present time alone.
+    pub is_of_time: bool,
+}
+
+impl fmt::Display for LongerTable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let LongerTable { name, points_between, is_of_time, .. } = self;
+        let [reached, end] = [self.reached, self.former_end].map(in_a_sentence);
+        if !is_of_time {
+            return write!(
+                f,
+                "the table `{name}` has new points, and formulas take it at more than the present time `t`"
+            );
+        }
+        write!(
+            f,
+            "the new points of the table `{name}` change its spline before the checkpoint at t = {reached} too: the table ended at \
+             t = {end}, {points_between} points after the checkpoint, and about {POINTS_BEFORE_END} are needed"
+        )
+    }
+}
+
+/// A time without the digits that are round-off.
+fn in_a_sentence(time: f64) -> f64 {
+    format!("{time:.9e}").parse().unwrap_or(time)
+}
+
+/// The tables of `now` that are those of `before` with more points at the end, and are not the same up to the time `reached`.
+pub(super) fn longer(now: &Case, before: &Case, reached: f64) -> Vec<LongerTable> {
+    let table = |(name, table): (&String, &raw::Table)| {
+        let former = former_times(before.tables.get(name)?, table)?;
+        Some(LongerTable {
+            name: name.clone(),
+            reached,
+            former_end: *former.last()?,
+            // A point at the checkpoint is not after it, whatever its last digits.
+            points_between: former.iter().filter(|t| in_a_sentence(**t) > in_a_sentence(reached)).count(),
+            is_of_time: is_of_time(now, name),
+        })
+    };
+    now.tables.iter().filter_map(table).collect()
+}
+
+/// The times of the table `before`, if `now` has these points and more after them. The end of a periodic table is no end.
+fn former_times<'a>(before: &'a raw::Table, now: &raw::Table) -> Option<&'a [f64]> {
+    let ([t, values], [more_t, more_values]) = (points(before)?, points(now)?);
+    let same_ends = before.ends == now.ends && now.ends != raw::Ends::Periodic;
+    let is_longer = more_t.len() > t.len() && more_t.starts_with(t) && more_values.starts_with(values);
+    (same_ends && is_longer).then_some(t)
+}
+
+fn points(table: &raw::Table) -> Option<[&[f64]; 2]> {
+    Some([table.t.as_deref()?, table.values.as_deref()?])
 }
 
 /// Whether no formula of the case takes the table `name` at anything but the present time.
@@ -77,6 +147,7 @@ fn spline(raw: &raw::Table) -> Option<Table> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
 
     /// sin at 0, 0.1, ..., up to `end`.
@@ -97,5 +168,17 @@ mod tests {
             other.values.iter_mut().flatten().skip(10).take(1).for_each(|value| *value += 1e-6);
             assert!(!agree(&short, &other, 3.0) && agree(&short, &other, -1.0), "{ends:?}");
         }
+    }
+
+    #[test]
+    fn a_table_is_longer_if_it_has_more_points_at_its_end() {
+        let (short, long) = (sine(60, raw::Ends::Free), sine(90, raw::Ends::Free));
+        assert_eq!(former_times(&short, &long).unwrap().len(), 61);
+        assert!(former_times(&long, &short).is_none() && former_times(&short, &short).is_none());
+        assert!(former_times(&sine(60, raw::Ends::AtRest), &long).is_none());
+        assert!(former_times(&sine(60, raw::Ends::Periodic), &sine(90, raw::Ends::Periodic)).is_none());
+        let mut other = long.clone();
+        other.values.iter_mut().flatten().take(1).for_each(|value| *value += 1.0);
+        assert!(former_times(&short, &other).is_none());
     }
 }

@@ -1,7 +1,7 @@
 //! The TOML document of a case, with the place of every key and value.
 
 use super::brackets;
-use super::choices::{choice_of_number, choices};
+use super::choices::{choice_of_number, choices, example};
 use super::error::{CaseError, Cause, LONGEST_VALUE, ONE_OF_SEVERAL, Place};
 use super::key::{Key, Step};
 use crate::excerpt::shortened;
@@ -156,8 +156,9 @@ impl Document {
         }
         let Found { value, names, .. } = self.find(&key);
         let value = value.map(|span| self.excerpt(&span));
+        let (message, settings) = (error.message(), |choice: &str| example(&key.child(choice)));
         let cause =
-            Cause::from_serde(error.message(), value.as_deref(), &names, || choices(&key), || choice_of_number(&key));
+            Cause::from_serde(message, value.as_deref(), &names, || choices(&key), || choice_of_number(&key), settings);
         let place = self.place(&span);
         let error = CaseError { place, key: key.to_string(), value, cause, also: Vec::new() };
         (key, Box::new(error))

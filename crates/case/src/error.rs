@@ -1,5 +1,6 @@
 //! Errors of a case, and their places.
 
+use crate::consequences::Damage;
 use crate::excerpt::{Excerpt, shortened};
 use crate::expression::{ExpressionError, TableError};
 use std::collections::BTreeSet;
@@ -48,6 +49,22 @@ impl Errors {
         self.0.extend(also);
     }
 
+    /// Keeps the errors of another part.
+    pub(super) fn extend(&mut self, others: Errors) {
+        self.0.extend(others.0);
+    }
+
+    /// Whether there are none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Drops the errors that `damage` explains.
+    pub(super) fn without_consequences_of(mut self, damage: &Damage) -> Self {
+        self.0.retain(|error| !damage.explains(error));
+        self
+    }
+
     /// Keeps the error of a part.
     pub(super) fn note<T>(&mut self, part: Result<T, Box<CaseError>>) -> Option<T> {
         part.map_err(|error| self.add(error)).ok()
@@ -61,6 +78,11 @@ impl Errors {
     /// All of them in one, each once and in the order of their lines, if there are any.
     pub(super) fn all(self) -> Result<(), Box<CaseError>> {
         let mut errors = self.0;
+        // Another error has caused those that follow. It may be in another part.
+        let follows = |error: &CaseError| matches!(error.cause, Cause::Follows);
+        if !errors.iter().all(follows) {
+            errors.retain(|error| !follows(error));
+        }
         // A key that stands for many boundaries is checked for each of them.
         let mut told = BTreeSet::new();
         errors.retain(|error| told.insert(error.to_string()));
@@ -111,6 +133,9 @@ pub enum Place {
 /// The cause of an error.
 #[derive(Debug, thiserror::Error)]
 pub enum Cause {
+    /// Another error, which is reported with it.
+    #[error("this cannot be checked because of another error")]
+    Follows,
     /// The file cannot be read.
     #[error("cannot read the case: {0}")]
     Read(#[source] std::io::Error),
@@ -134,6 +159,8 @@ pub enum Cause {
         name: String,
         /// The known names.
         accepted: Vec<String>,
+        /// The known key whose table or choice accepts the name.
+        belongs: Option<String>,
     },
     /// A value outside its range.
     #[error("{quantity} is out of range")]
@@ -257,25 +284,29 @@ impl CaseError {
 impl Cause {
     /// The cause of a `message` of serde about `value`, or about a table with these `names`. For an unknown name, the
     /// message lists the known names between backticks. `choices` are the choices of the schema, `choice_of_number` is the one whose only
-    /// setting is a number.
+    /// setting is a number, and `settings` gives an example of the value of a choice that is no table.
     pub(super) fn from_serde(
         message: &str,
         value: Option<&str>,
         names: &[String],
         choices: impl FnOnce() -> Vec<String>,
         choice_of_number: impl FnOnce() -> Option<String>,
+        settings: impl FnOnce(&str) -> Option<&'static str>,
     ) -> Self {
         for (start, kind) in [("unknown field `", "key"), ("unknown variant `", "choice")] {
             let mut names = message.split('`').skip(1).step_by(2).map(str::to_owned);
             if let (true, Some(name)) = (message.starts_with(start), names.next()) {
-                return Cause::Unknown { kind, name, accepted: names.collect() };
+                return Cause::Unknown { kind, name, accepted: names.collect(), belongs: None };
             }
         }
         let described = message.strip_prefix("invalid type: ").or_else(|| message.strip_prefix("invalid value: "));
         match described.and_then(|rest| rest.split_once(", expected ")) {
             Some(("unit variant", _)) => {
                 let name = value.unwrap_or_default().trim_matches('"');
-                let accepted = format!("its settings in a table: `{{ {name} = {{ ... }} }}`");
+                let accepted = match settings(name) {
+                    Some(form) => format!("its value in a table: `{{ {name} = {form} }}`"),
+                    None => format!("its settings in a table: `{{ {name} = {{ ... }} }}`"),
+                };
                 Cause::Type { found: format!("`{name}` alone"), accepted }
             }
             Some((found, _)) if found.ends_with("as i128") || found.ends_with("as u128") => too_large(),
@@ -335,7 +366,8 @@ impl Cause {
         }
     }
 
-    fn nearest(&self) -> Option<&str> {
+    /// The accepted name that an unknown one probably means.
+    pub(super) fn nearest(&self) -> Option<&str> {
         match self {
             Cause::Unknown { name, accepted, .. } => crate::nearest::nearest(name, accepted.iter().map(String::as_str)),
             _ => None,
@@ -395,7 +427,9 @@ impl fmt::Display for CaseError {
         if let Some(accepted) = self.cause.accepted() {
             write!(f, "\n  accepted: {accepted}")?;
         }
-        if let Some(nearest) = self.cause.nearest() {
+        if let Cause::Unknown { name, belongs: Some(table), .. } = &self.cause {
+            write!(f, "\n  `{name}` belongs into `{table}`: `{table} = {{ {name} = ... }}`")?;
+        } else if let Some(nearest) = self.cause.nearest() {
             write!(f, "\n  did you mean `{nearest}`?")?;
         }
         self.also.iter().take(MOST_ERRORS - 1).try_for_each(|error| write!(f, "\nerror: {error}"))?;

@@ -31,6 +31,11 @@ impl Key {
         self.step(Step::Entry(index))
     }
 
+    /// The key of the table or list around this one.
+    pub(super) fn parent(&self) -> Self {
+        Key(self.0[..self.0.len().saturating_sub(1)].to_vec())
+    }
+
     /// The key at `path` from this one, such as `cells.side`, or `cells.0` for an entry of an array.
     pub(super) fn descendant(&self, path: &str) -> Self {
         path.split('.').fold(self.clone(), |key, name| match name.parse() {

@@ -18,6 +18,7 @@
 //! | `continuation`, `continued_tables` | conditions for continuing the run of another case; longer tables |
 //! | `checked` | the checked case; no other code uses `raw` |
 //! | `reading` | from the document to the raw case: all errors of keys and types; formulas where numbers are needed |
+//! | `consequences` | which errors may only follow from other ones |
 //! | `shape` | unknown keys, lists that are too long, lists in the place of tables |
 //! | `state` | a state prescribed by name or by formulas |
 //! | `vector` | a displacement prescribed by formulas |
@@ -54,6 +55,7 @@ mod brackets;
 mod checked;
 mod checker;
 mod choices;
+mod consequences;
 mod continuation;
 mod continued_tables;
 mod document;

@@ -1,10 +1,13 @@
 //! From the document to the raw case: all errors of keys and types at once, and formulas where numbers are needed.
 //!
-//! A key with an error is removed, and the rest is read again. An error that follows from a missing key is not reported.
+//! A key with an error is removed, or replaced by a value of the right type where one is needed, and the rest is read again. What was removed
+//! or replaced is the [`Damage`]. An error that follows from it is not reported.
 
-use super::checker::{Checked, Checker};
+use super::checker::{Checked, Checker, Sound};
+use super::choices;
+use super::consequences::Damage;
 use super::document::Document;
-use super::error::{CaseError, Errors};
+use super::error::{CaseError, Cause, Errors};
 use super::key::{Key, Step};
 use super::magnitude;
 use super::raw::{self, Formula};
@@ -15,8 +18,14 @@ use std::collections::BTreeMap;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer};
 
-/// Sections on which no other section depends.
-const INDEPENDENT: [&str; 3] = ["output", "parallel", "solver"];
+/// Sections that every case has, and what stands for them if they cannot be read.
+const NEEDED: [(&str, &str); 2] = [
+    ("mesh", "{ order = 2, generate.box = { lower = [0, 0], upper = [1, 1], cells = [1, 1] } }"),
+    ("time", "{ order = 1, end = 1, slabs = 1 }"),
+];
+
+/// The most numbers of an impossible size that are reported.
+const MOST_EXTREMES: usize = 20;
 
 /// A number is whole if it is off by less than this, relative to its size.
 const WHOLE: f64 = 1e-9;
@@ -30,108 +39,170 @@ pub(super) struct Read {
     pub(super) case: Option<raw::Case>,
     /// The errors of keys and types.
     pub(super) errors: Errors,
+    /// The parts of the case that are not as the user meant them.
+    pub(super) damage: Damage,
 }
 
 /// Reads the document.
+///
+/// # Errors
+/// A text that is not TOML. All other errors are in the result.
 pub(super) fn read(document: &Document) -> Result<Read, Box<CaseError>> {
     // Integers of TOML have 64 bits with a sign. The parser accepts longer ones, its own tables do not.
     document.check_integers()?;
-    let mut reader = Reader { document, errors: Errors::default(), removed: Vec::new(), of_constants: None };
-    let shape = shape::compare(document.tree()?.get_ref());
-    let values = reader.numbers(document.tree()?.get_ref(), &shape.numbers);
+    let as_written = document.tree()?;
+    let mut reader = Reader { document, errors: Errors::default(), damage: Damage::default(), misspelt: Vec::new() };
+    let shape = shape::compare(as_written.get_ref());
+    let values = reader.numbers(as_written.get_ref(), &shape.numbers);
     let mut tree = document.tree()?;
     for (key, value) in &values {
         replace(&mut tree, &key.0, value);
     }
+    for key in reader.damage.keys().to_vec() {
+        take_out(tree.get_mut(), &key.0);
+    }
     for (key, cause) in shape.misfits {
+        reader.note_misspelt(&tree, &key, &cause);
         reader.errors.add(document.error(&key, cause));
         reader.remove(&mut tree, &key);
     }
-    let case = reader.deserialised(&mut tree);
-    if let Some((key, cause)) = magnitude::first_extreme(tree.get_ref()) {
-        reader.errors.add(document.error(&key, cause));
-        reader.removed.push(named(&key));
-    }
-    let case = case.filter(|_| reader.rest_is_whole());
-    // Whoever checks the case finds this error. Without a case it is told here.
-    reader.of_constants.filter(|_| case.is_none()).into_iter().for_each(|error| reader.errors.add(error));
-    Ok(Read { case, errors: reader.errors })
+    let is_computable = reader.replace_extremes(&mut tree);
+    let case = reader.deserialised(&mut tree).filter(|_| is_computable);
+    Ok(Read { case, errors: reader.errors, damage: reader.damage })
 }
 
 struct Reader<'a> {
     document: &'a Document,
     errors: Errors,
-    /// The keys that were removed.
-    removed: Vec<Key>,
-    /// The errors of the constants that numbers need.
-    of_constants: Option<Box<CaseError>>,
+    damage: Damage,
+    /// The tables with an unknown key, and the key that was probably meant.
+    misspelt: Vec<(Key, Option<String>)>,
 }
 
 impl Reader<'_> {
-    /// The values of the formulas of constants in `texts`, as text.
+    /// The values of the formulas of constants in `texts`, as text. Those with an error become a part of the damage.
     fn numbers(&mut self, tree: &DeTable<'_>, texts: &[NumberText]) -> Vec<(Key, String)> {
         if texts.is_empty() {
             return Vec::new();
         }
-        let constants = tree.get("constants").map_or(Ok(BTreeMap::new()), |table| {
-            BTreeMap::<String, Formula>::deserialize(table.clone().into_deserializer())
-        });
-        // Constants of a wrong type are an error of the whole case.
-        let checker = constants.ok().map(|all| Checker::new(self.document, &all));
-        let checker = match checker {
-            Some(Ok(checker)) => checker,
-            failed => {
-                self.of_constants = failed.and_then(Result::err);
-                self.removed.extend(texts.iter().map(|text| named(&text.key)));
-                return Vec::new();
-            }
-        };
+        let (constants, lost) = constants(tree);
+        let Sound { checker, errors } = Checker::of_constants(self.document, &constants, lost);
+        self.errors.extend(errors);
         let mut values = Vec::new();
         for text in texts {
             match self.errors.note(value_of(&checker, text)) {
                 Some(value) => values.push((text.key.clone(), value)),
-                None => self.removed.push(named(&text.key)),
+                None => self.damage.add(named(&text.key)),
             }
         }
         values
     }
 
-    /// The case; None if a required part has an error.
-    fn deserialised(&mut self, tree: &mut Spanned<DeTable<'_>>) -> Option<raw::Case> {
-        for key in self.removed.clone() {
-            take_out(tree.get_mut(), &key.0);
+    /// Remembers the table of an unknown key, and what was probably meant. If that is missing it is a part of the damage.
+    fn note_misspelt(&mut self, tree: &Spanned<DeTable<'_>>, key: &Key, cause: &Cause) {
+        let Cause::Unknown { .. } = cause else { return };
+        let table = key.parent();
+        let meant = cause.nearest().map(str::to_owned);
+        if let Some(meant) = meant.as_ref().map(|meant| table.child(meant))
+            && !contains(tree.get_ref(), &meant.0)
+        {
+            self.damage.add(meant);
         }
+        self.misspelt.push((table, meant));
+    }
+
+    /// Reports numbers that the program cannot compute with, and replaces them. False if there are very many.
+    fn replace_extremes(&mut self, tree: &mut Spanned<DeTable<'_>>) -> bool {
+        for _ in 0..MOST_EXTREMES {
+            let Some((key, cause)) = magnitude::first_extreme(tree.get_ref()) else { return true };
+            self.errors.add(self.document.error(&key, cause));
+            self.damage.add(named(&key));
+            replace(tree, &key.0, "1.0");
+        }
+        false
+    }
+
+    /// The case; None if a required part has an error and nothing can stand for it.
+    fn deserialised(&mut self, tree: &mut Spanned<DeTable<'_>>) -> Option<raw::Case> {
         loop {
-            let (key, error) = match raw::Case::deserialize(Deserializer::from(tree.clone())) {
+            let error = match raw::Case::deserialize(Deserializer::from(tree.clone())) {
                 Ok(case) => return Some(case),
-                Err(error) => self.document.located(&error),
+                Err(error) => error,
             };
+            let (key, located) = self.document.located(&error);
             let key = named(&key);
-            // What lacks a key that was taken out is taken out, too.
-            let follows = self.removed.iter().any(|removed| removed.0.starts_with(&key.0));
-            if !follows {
-                self.errors.add(error);
-            }
-            if key.0.is_empty() || !self.remove(tree, &key) {
+            let goes_on = match missing(error.message()) {
+                Some(name) => self.supply(tree, &key, name, located),
+                None => {
+                    // What lacks a key that was removed is removed, too.
+                    if !self.damage.keys().iter().any(|damaged| damaged.0.starts_with(&key.0)) {
+                        self.errors.add(located);
+                    }
+                    !key.0.is_empty() && self.remove(tree, &key)
+                }
+            };
+            if !goes_on {
                 return None;
             }
         }
+    }
+
+    /// Supplies the key `name` that is missing in `table`, or else removes the table. The `error` is reported unless it follows from an error
+    /// before it. False if there is no way on.
+    fn supply(&mut self, tree: &mut Spanned<DeTable<'_>>, table: &Key, name: &str, error: Box<CaseError>) -> bool {
+        let key = table.child(name);
+        if !self.is_explained(table, &key) {
+            self.errors.add(error);
+        }
+        self.damage.add(key.clone());
+        let stand_in = stand_in(&key);
+        let supplied = stand_in.is_some_and(|text| insert(tree, &table.0, name, text));
+        supplied || !table.0.is_empty() && self.remove(tree, table)
+    }
+
+    /// Whether `key` is missing in `table` because of another error: it was removed, or its name is misspelt.
+    fn is_explained(&self, table: &Key, key: &Key) -> bool {
+        let is_meant = |meant: &Option<String>| meant.as_ref().is_none_or(|meant| table.child(meant) == *key);
+        self.damage.keys().iter().any(|damaged| damaged == key || damaged == table)
+            || self.misspelt.iter().any(|(of, meant)| of == table && is_meant(meant))
     }
 
     /// Removes a key from the tree; false if it is not there.
     fn remove(&mut self, tree: &mut Spanned<DeTable<'_>>, key: &Key) -> bool {
         let key = named(key);
         let found = take_out(tree.get_mut(), &key.0);
-        self.removed.push(key);
+        self.damage.add(key);
         found
     }
+}
 
-    /// Whether all sections on which others depend are as written.
-    fn rest_is_whole(&self) -> bool {
-        let section =
-            |key: &Key| matches!(key.0.first(), Some(Step::Name(name)) if INDEPENDENT.contains(&name.as_str()));
-        self.removed.iter().all(section)
+/// The constants that have the right type. The others are lost; the deserialiser reports them.
+fn constants(tree: &DeTable<'_>) -> (BTreeMap<String, Formula>, Damage) {
+    let (section, mut constants, mut lost) = (Key::new("constants"), BTreeMap::new(), Damage::default());
+    match tree.get("constants").map(Spanned::get_ref) {
+        None => {}
+        Some(DeValue::Table(given)) => {
+            for (name, value) in given.iter() {
+                match Formula::deserialize(value.clone().into_deserializer()) {
+                    Ok(formula) => drop(constants.insert(name.get_ref().to_string(), formula)),
+                    Err(_) => lost.add(section.child(name.get_ref())),
+                }
+            }
+        }
+        Some(_) => lost.add(section),
     }
+    (constants, lost)
+}
+
+/// The name of the missing key in a message of serde.
+fn missing(message: &str) -> Option<&str> {
+    message.strip_prefix("missing field `")?.strip_suffix('`')
+}
+
+/// A value of the right type for the required `key`, as text.
+fn stand_in(key: &Key) -> Option<&'static str> {
+    let section = NEEDED.iter().find(|(name, _)| Key::new(name) == *key).map(|(_, text)| *text);
+    section.or_else(|| choices::stand_in(key))
 }
 
 /// The value of a formula where a number is needed, as text.
@@ -149,6 +220,33 @@ fn value_of(checker: &Checker<'_>, NumberText { key, text, whole }: &NumberText)
 /// The key without the entry of a list.
 fn named(key: &Key) -> Key {
     Key(key.0.iter().take_while(|step| matches!(step, Step::Name(_))).cloned().collect())
+}
+
+/// Whether a table has a named key.
+fn contains(table: &DeTable<'_>, steps: &[Step]) -> bool {
+    match steps {
+        [Step::Name(name)] => table.contains_key(name.as_str()),
+        [Step::Name(name), rest @ ..] => match table.get(name.as_str()).map(Spanned::get_ref) {
+            Some(DeValue::Table(inner)) => contains(inner, rest),
+            _ => false,
+        },
+        _ => false,
+    }
+}
+
+/// Inserts the value of `text` into the table at `steps`; false if there is no such table.
+fn insert<'a>(tree: &mut Spanned<DeTable<'a>>, steps: &[Step], name: &str, text: &'a str) -> bool {
+    let Ok(value) = DeValue::parse(text) else { return false };
+    let mut table = tree.get_mut();
+    for step in steps {
+        let Step::Name(step) = step else { return false };
+        match table.get_mut(step.as_str()).map(Spanned::get_mut) {
+            Some(DeValue::Table(inner)) => table = inner,
+            _ => return false,
+        }
+    }
+    table.insert(Spanned::new(0..0, name.to_owned().into()), value);
+    true
 }
 
 /// Takes a named key out of a table.

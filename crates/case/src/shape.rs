@@ -82,6 +82,15 @@ impl<'a> Walk<'a> {
         {
             return table.iter().for_each(|(name, value)| self.value(any, value, &key.child(name.get_ref())));
         }
+        if let [(name, value)] = &table.iter().collect::<Vec<_>>()[..]
+            && is_alone(alternatives, name.get_ref())
+        {
+            // The deserialiser accepts an empty table of settings.
+            if !value.get_ref().as_table().is_some_and(DeTable::is_empty) {
+                self.add(name.span().start, key.child(name.get_ref()), without_settings(name.get_ref()));
+            }
+            return;
+        }
         // Each of several choices in one table may be valid; the deserialiser reports that there are several.
         if named.is_empty() || named.len() > 1 && table.len() != 1 {
             return;
@@ -91,9 +100,26 @@ impl<'a> Walk<'a> {
             let of_name = |a: &'a Schema| &a["properties"][&**name.get_ref()];
             match named.iter().copied().map(of_name).find(|found| found.is_object()) {
                 Some(inner) => self.value(inner, value, &key),
-                None => self.add(name.span().start, key, unknown(name.get_ref(), alternatives)),
+                None => {
+                    let mut cause = unknown(name.get_ref(), alternatives);
+                    if let Cause::Unknown { belongs, .. } = &mut cause {
+                        *belongs = self.table_with(&named, name.get_ref());
+                    }
+                    self.add(name.span().start, key, cause);
+                }
             }
         }
+    }
+
+    /// The key among `tables` in whose table, or as whose choice, `name` is accepted; None if there are none or several.
+    fn table_with(&self, tables: &[&'a Schema], name: &str) -> Option<String> {
+        let keys = tables.iter().filter_map(|a| a["properties"].as_object()).flatten();
+        let accepts = |schema: &'a Schema| {
+            let inner = self.alternatives(schema);
+            inner.iter().any(|a| a["properties"][name].is_object()) || is_alone(&inner, name)
+        };
+        let mut found = keys.filter(|(_, schema)| accepts(schema)).map(|(key, _)| key.clone());
+        found.next().filter(|_| found.next().is_none())
     }
 
     fn list(&mut self, alternatives: &[&'a Schema], offset: usize, entries: &[Spanned<DeValue<'_>>], key: &Key) {
@@ -131,6 +157,20 @@ impl<'a> Walk<'a> {
     }
 }
 
+/// Whether `name` is a choice without settings.
+fn is_alone(alternatives: &[&Schema], name: &str) -> bool {
+    let is_listed = |a: &&Schema| a["enum"].as_array().is_some_and(|names| names.iter().any(|known| known == name));
+    alternatives.iter().any(|a| a["const"] == name || is_listed(a))
+}
+
+/// Settings of a choice that has none.
+fn without_settings(name: &str) -> Cause {
+    Cause::Combination {
+        problem: format!("the choice `{name}` has no settings"),
+        accepted: format!("its name alone, \"{name}\""),
+    }
+}
+
 /// An unknown key or choice.
 fn unknown(name: &str, alternatives: &[&Schema]) -> Cause {
     let is_choice = alternatives.iter().any(|a| a["oneOf"].is_array());
@@ -138,7 +178,7 @@ fn unknown(name: &str, alternatives: &[&Schema]) -> Cause {
     let alone = alternatives.iter().filter_map(|a| a["const"].as_str());
     let listed = alternatives.iter().filter_map(|a| a["enum"].as_array()).flatten().filter_map(Schema::as_str);
     let accepted = keys.map(String::as_str).chain(alone).chain(listed).map(str::to_owned).collect();
-    Cause::Unknown { kind: if is_choice { "choice" } else { "key" }, name: name.to_owned(), accepted }
+    Cause::Unknown { kind: if is_choice { "choice" } else { "key" }, name: name.to_owned(), accepted, belongs: None }
 }
 
 /// A list in the place of a table.

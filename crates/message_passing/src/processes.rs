@@ -5,13 +5,19 @@ use mpi::Threading;
 use mpi::collective::CommunicatorCollectives;
 use mpi::datatype::PartitionMut;
 use mpi::environment::Universe;
-use mpi::request::scope;
+use mpi::request::{Request, Scope, scope};
 use mpi::topology::{Communicator as _, SimpleCommunicator};
 use mpi::traits::{Destination, Equivalence, Root, Source};
 use ranks::Communicator;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 /// The largest number of bytes in one call of MPI, which counts in 32 bits.
 const CHUNK: usize = 1 << 30;
+
+/// How long a rank looks for an order without a break, as others follow at once in most slabs; and each break after that.
+const AWAKE: Duration = Duration::from_millis(2);
+const ASLEEP: Duration = Duration::from_micros(200);
 
 /// The code with which all ranks end when one of them panics: that of any Rust program that panics.
 const PANIC: i32 = 101;
@@ -52,6 +58,17 @@ impl Drop for Mpi {
 /// A number of entries, as MPI counts.
 fn count(entries: usize) -> i32 {
     entries.try_into().expect("more than 2^31 numbers in one message")
+}
+
+/// Waits for a message without occupying a processor for long.
+fn wait_asleep<'a, D: ?Sized, S: Scope<'a>>(mut request: Request<'a, D, S>) {
+    let begun = Instant::now();
+    while let Err(waiting) = request.test() {
+        request = waiting;
+        if begun.elapsed() > AWAKE {
+            sleep(ASLEEP);
+        }
+    }
 }
 
 impl Communicator for Mpi {
@@ -114,7 +131,8 @@ impl Communicator for Mpi {
         let world = self.world();
         let root = world.process_at_rank(0);
         let mut length = bytes.len() as u64;
-        root.broadcast_into(&mut length);
+        // Rank 0 may compute for minutes before: the others leave their processors to it.
+        scope(|scope| wait_asleep(root.immediate_broadcast_into(scope, &mut length)));
         bytes.resize(length as usize, 0);
         bytes.chunks_mut(CHUNK).for_each(|chunk| root.broadcast_into(chunk));
     }

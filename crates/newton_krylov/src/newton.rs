@@ -20,6 +20,7 @@
 //! with more damping, until more damping has no effect.
 
 mod driver;
+mod log;
 mod report;
 mod tolerances;
 

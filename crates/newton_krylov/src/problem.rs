@@ -13,12 +13,6 @@ pub struct Field {
     pub range: Range<usize>,
 }
 
-/// One number per field as words for the log, for example `mesh 1.2e-9, flow 3.4e-5`.
-pub fn in_words(fields: &[Field], numbers: &[f64]) -> String {
-    let words = fields.iter().zip(numbers).map(|(field, number)| format!("{} {number:.3e}", field.name));
-    words.collect::<Vec<_>>().join(", ")
-}
-
 /// A state without a residual: a negative density, an inverted cell.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("inadmissible state: {quantity} = {value:e} {location}")]
@@ -98,16 +92,4 @@ pub trait NonlinearProblem {
 
     /// The largest a in (0, 1] for which z + a dz is known to be admissible; 1 if nothing is known.
     fn largest_step(&mut self, z: &[f64], increment: &[f64]) -> f64;
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_numbers_of_fields_are_told_in_words() {
-        let fields = [Field { name: "mesh", range: 0..3 }, Field { name: "flow", range: 3..9 }];
-        assert_eq!(in_words(&fields, &[1.25e-9, 0.0]), "mesh 1.250e-9, flow 0.000e0");
-        assert_eq!(in_words(&[], &[]), "");
-    }
 }

@@ -6,7 +6,9 @@ use crate::{CaseError, SolveError, message};
 use ::case::AnyCase;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use simulation::{Destination, Existing, Failure};
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -66,7 +68,9 @@ impl Case {
     /// `on_slab` is called after every slab with a `Slab`: its numbers and fields. The run stops with a checkpoint if it returns False.
     ///
     /// `progress` shows a line with the time that is left, on a terminal or in a notebook.
-    #[pyo3(signature = (output=None, existing="keep", on_slab=None, progress=false))]
+    ///
+    /// `threads` is the number of threads; default all cores. The results have the same bits for any number.
+    #[pyo3(signature = (output=None, existing="keep", on_slab=None, progress=false, threads=None))]
     fn run<'py>(
         &self,
         py: Python<'py>,
@@ -74,11 +78,14 @@ impl Case {
         existing: &str,
         on_slab: Option<Py<PyAny>>,
         progress: bool,
+        threads: Option<NonZero<usize>>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let pool = threads.map(pool).transpose()?;
         let destination = self.destination(output, existing)?;
         let line = progress.then(|| py.import("stsolve._progress")?.call_method0("Progress")).transpose()?;
         let listener = Listener::new(on_slab);
-        let done = self.run_watched(py, &destination, &listener, line.as_ref());
+        let run = || simulation::run(&self.case, &destination, &listener);
+        let done = watched(py, || pool.as_ref().map_or_else(run, |pool| pool.install(run)), &listener, line.as_ref());
         if let Some(error) = listener.error() {
             return Err(error);
         }
@@ -96,31 +103,6 @@ impl Case {
 }
 
 impl Case {
-    /// Runs in a thread of its own, while this one, which Python interrupts, watches for interrupts.
-    fn run_watched(
-        &self,
-        py: Python<'_>,
-        destination: &Destination,
-        listener: &Listener,
-        line: Option<&Bound<'_, PyAny>>,
-    ) -> Result<output::Summary, Failure> {
-        std::thread::scope(|scope| {
-            let run = scope.spawn(|| simulation::run(&self.case, destination, listener));
-            for look in 1.. {
-                py.detach(|| std::thread::sleep(WATCH));
-                listener.follow(py.check_signals().map(|()| true));
-                let is_finished = run.is_finished();
-                if look % LOOKS == 0 || is_finished {
-                    listener.follow(show(line, listener, is_finished));
-                }
-                if is_finished {
-                    break;
-                }
-            }
-            run.join().unwrap_or_else(|_| Err(Failure::solve(std::io::Error::other("the run ended without a result"))))
-        })
-    }
-
     fn destination(&self, output: Option<PathBuf>, existing: &str) -> PyResult<Destination> {
         let existing = match existing {
             "keep" => Existing::Keep,
@@ -134,6 +116,36 @@ impl Case {
         let of_case = Destination::of(&self.case).directory;
         Ok(Destination { directory: output.unwrap_or(of_case), existing })
     }
+}
+
+/// A pool of threads for one run.
+fn pool(threads: NonZero<usize>) -> PyResult<ThreadPool> {
+    let pool = ThreadPoolBuilder::new().num_threads(threads.get()).build();
+    pool.map_err(|error| CaseError::new_err(format!("threads = {threads}: {error}")))
+}
+
+/// Runs in a thread of its own, while this one, which Python interrupts, watches for interrupts.
+fn watched(
+    py: Python<'_>,
+    run: impl FnOnce() -> Result<output::Summary, Failure> + Send,
+    listener: &Listener,
+    line: Option<&Bound<'_, PyAny>>,
+) -> Result<output::Summary, Failure> {
+    std::thread::scope(|scope| {
+        let run = scope.spawn(run);
+        for look in 1.. {
+            py.detach(|| std::thread::sleep(WATCH));
+            listener.follow(py.check_signals().map(|()| true));
+            let is_finished = run.is_finished();
+            if look % LOOKS == 0 || is_finished {
+                listener.follow(show(line, listener, is_finished));
+            }
+            if is_finished {
+                break;
+            }
+        }
+        run.join().unwrap_or_else(|_| Err(Failure::solve(std::io::Error::other("the run ended without a result"))))
+    })
 }
 
 /// Shows the progress of the run, if requested; returns that the run continues.

@@ -2,7 +2,8 @@
 
 use crate::slab::Slab;
 use pyo3::prelude::*;
-use simulation::{Observer, RunState};
+use simulation::{NextStep, Observer, RunState};
+use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -113,5 +114,17 @@ impl Observer for Listener {
 
     fn is_stop_requested(&self) -> bool {
         self.is_stopped.load(Ordering::Relaxed)
+    }
+
+    fn advice(&self, step: NextStep, directory: &Path) -> String {
+        match step {
+            NextStep::Resume => format!("`Case.run(output={directory:?}, existing=\"resume\")` continues it"),
+            NextStep::Replace => format!("`Case.run(output={directory:?}, existing=\"replace\")` replaces it"),
+            NextStep::WriteElsewhere => "another `output` keeps it".to_owned(),
+            NextStep::Report => {
+                let directory = directory.display();
+                format!("`stsolve.Result` reads it, and the command `stsolve report {directory}` makes a page of it")
+            }
+        }
     }
 }

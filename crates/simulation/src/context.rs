@@ -27,7 +27,7 @@ pub struct RunContext<'a> {
 
 /// Why a run stopped before its end.
 pub enum Stop {
-    /// A signal.
+    /// The observer has asked for it: after a signal, for instance.
     Asked,
     /// A slab could not be solved.
     Failed(anyhow::Error),
@@ -37,7 +37,7 @@ impl Stop {
     /// For summary.json.
     pub fn reason(&self) -> String {
         match self {
-            Stop::Asked => "stopped by a signal; continue with --resume".into(),
+            Stop::Asked => "stopped on request; the run can be resumed".into(),
             Stop::Failed(error) => coupled::chain(error.as_ref()),
         }
     }

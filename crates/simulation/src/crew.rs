@@ -30,7 +30,9 @@ use orders::Order;
 use output::SolverState;
 use parts::{own_linearisation, own_state};
 use ranks::{Communicator, Sums};
+use rayon::ThreadPoolBuilder;
 use std::mem::take;
+use std::num::NonZero;
 use std::sync::Arc;
 
 /// The number of blocks among the stored numbers.
@@ -125,9 +127,25 @@ where
         stored
     }
 
+    /// How many ranks there are.
+    pub fn ranks(&self) -> usize {
+        self.orders.communicator().size()
+    }
+
     /// Puts the operator on the mesh of the last slab, so that the flow can be measured.
     pub fn look_at_last_slab(&mut self) {
         look_at_last_slab(&mut self.operator, &self.state);
+    }
+}
+
+/// Does the `work` of rank 0, one of `ranks`, with the threads of those ranks on this machine that wait for the next order.
+pub fn while_others_wait<R: Send>(ranks: usize, work: impl FnOnce() -> R + Send) -> R {
+    let of_rank = rayon::current_num_threads();
+    let of_machine = std::thread::available_parallelism().map_or(1, NonZero::get);
+    let threads = (of_rank * ranks).min(of_machine);
+    match ThreadPoolBuilder::new().num_threads(threads).build() {
+        Ok(pool) if threads > of_rank => pool.install(work),
+        _ => work(),
     }
 }
 

@@ -6,16 +6,36 @@ use case::Case;
 use output::{LineFile, OutputError, SliceSeries};
 use std::path::Path;
 
-/// Starts the files in `directory`, or keeps what they have up to the time `reached` of a run that is resumed.
+/// The checkpoint that a run is resumed from.
+#[derive(Clone, Copy, Debug)]
+pub struct Reached {
+    /// Its time.
+    pub time: f64,
+    /// The slabs before it.
+    pub slabs: usize,
+    /// Whether it is the end of the resumed run, too.
+    pub is_end: bool,
+}
+
+impl Reached {
+    /// The last time that a file with an entry after `every` slabs keeps. The entry of a former end is left out if a run without
+    /// interruption has none there.
+    fn last_kept(self, every: usize) -> f64 {
+        if self.is_end || self.slabs.is_multiple_of(every) { self.time } else { self.time.next_down() }
+    }
+}
+
+/// Starts the files in `directory`, or keeps what they have up to the checkpoint `reached` of a run that is resumed.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn begin<const D: usize>(case: &Case<D>, directory: &Path, reached: Option<f64>) -> Result<(), OutputError> {
+pub fn begin<const D: usize>(case: &Case<D>, directory: &Path, reached: Option<Reached>) -> Result<(), OutputError> {
     let observed = &case.observed;
+    let last_kept = |every| reached.map(|reached| reached.last_kept(every));
     for line in &observed.lines {
-        LineFile::of(directory, &line.name).begin(&lines::columns(line, &observed.formulas), reached)?;
+        LineFile::of(directory, &line.name).begin(&lines::columns(line, &observed.formulas), last_kept(line.every))?;
     }
-    observed.slices.iter().try_for_each(|slice| SliceSeries::of(directory, &slice.name).begin(reached))
+    observed.slices.iter().try_for_each(|slice| SliceSeries::of(directory, &slice.name).begin(last_kept(slice.every)))
 }
 
 /// Writes the lines and slices that are due after so many `slabs`; all of them `at_end`.
@@ -37,4 +57,19 @@ pub fn write<const D: usize, const M: usize>(
         SliceSeries::of(directory, &slice.name).append(slabs, flow.time, &cut)?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A line of a run that was extended once kept its rows at the former end, which one long run does not have.
+    #[test]
+    fn the_rows_of_a_former_end_are_kept_only_where_one_run_has_them() {
+        let reached = |slabs, is_end| Reached { time: 0.5, slabs, is_end };
+        assert_eq!(reached(6, false).last_kept(3), 0.5);
+        assert!(reached(5, false).last_kept(3) < 0.5);
+        assert_eq!(reached(5, true).last_kept(3), 0.5, "nothing is left to do");
+        assert_eq!(reached(0, false).last_kept(3), 0.5, "the start");
+    }
 }

@@ -184,7 +184,9 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     origin.iter().flat_map(|start| &start.warnings).for_each(|warning| tracing::warn!("{warning}"));
     failure::clear(session.directory.path())?;
     let statistics = restore(&mut run, resumed.as_ref().or(origin_state), case)?;
-    cuts::begin(case, session.directory.path(), resumed.as_ref().map(|_| run.state().time))?;
+    let coupled::State { time, slab: slabs, .. } = *run.state();
+    let reached = cuts::Reached { time, slabs, is_end: run.is_done() };
+    cuts::begin(case, session.directory.path(), resumed.as_ref().map(|_| reached))?;
     let mut context = RunContext::new(case, run.state().time, &session, begun, statistics);
     if resumed.is_some() && run.state().time > case.time.end + 1e-9 * case.time.step {
         let (time, end) = (rounded(run.state().time), case.time.end);

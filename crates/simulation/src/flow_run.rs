@@ -4,7 +4,7 @@ use super::averages::{AverageSums, FlowAverages, PhaseFile};
 use super::bodies::is_of_body;
 use super::body_record::BodyRecord;
 use super::context::{RunContext, Stop};
-use super::crew::{Crew, Orders, look_at_last_slab};
+use super::crew::{Crew, Orders, look_at_last_slab, while_others_wait};
 use super::drive::{Call, Run, drive};
 use super::failure::{Failed, Finding, Grid, Then, by_point};
 use super::integrals::FlowIntegrals;
@@ -198,6 +198,7 @@ where
     /// Replaces the initial state by the steady flow; returns its row of history.csv.
     fn start_from_steady_flow(&mut self, steady: &Steady, context: &mut RunContext) -> anyhow::Result<Vec<f64>> {
         let (case, flow) = (self.case, self.flow);
+        let ranks = self.crew.as_ref().map_or(1, Crew::ranks);
         let state = self.crew.as_mut().map_or(&mut self.march.state, |crew| {
             crew.in_step = false;
             &mut crew.state
@@ -214,7 +215,7 @@ where
             closed: is_closed(flow),
             stability_time: steady.stability_time,
         };
-        let found = search.find(&mut state.u);
+        let found = while_others_wait(ranks, || search.find(&mut state.u));
         let stages = found.as_ref().map_or_else(|error| &error.stages, |flow| &flow.stages);
         stages.iter().for_each(|stage| context.observer.say(&told(stage)));
         let found = found?;

@@ -5,6 +5,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `averages` | averages over time and over phases |
+//! | `bench` | kernels of a run, to be measured |
 //! | `build` | from a case to the problem of the numerics |
 //! | `crew` | a flow on several ranks |
 //! | `drive` | a run, slab by slab, for any equations |
@@ -22,6 +23,7 @@
 //! | `summary` | summary.json |
 //! | `checkpoint` | the state of a run as named arrays, and back |
 //! | `openings` | the flow through inflows and outflows, and whether their conditions are suited to it |
+//! | `preflight` | what is known of a run before it starts, for callers of any dimension |
 //! | `probe` | the cost of a run and the validity of its mesh, estimated beforehand |
 //! | `memory_estimate` | the memory of a run, estimated beforehand |
 //! | `resume` | the decision whether a run may continue from a checkpoint |
@@ -130,6 +132,7 @@
 //! ```
 
 mod averages;
+pub mod bench;
 mod bodies;
 mod body_record;
 mod build;
@@ -156,6 +159,7 @@ mod observer;
 mod occupied;
 mod opening_states;
 mod openings;
+mod preflight;
 mod probe;
 mod probes;
 mod record;
@@ -173,7 +177,7 @@ mod tests;
 mod time;
 mod walls;
 
-pub use build::{PrescribedNode, elasticity_plan, march, march_with_motion, mover, prescribed_nodes, structure_march};
+pub use build::{PrescribedNode, march, march_with_motion, mover, structure_march};
 pub use cell_finder::CellFinder;
 pub use controls::check as check_controls;
 pub use crew::{agree, serve};
@@ -182,9 +186,9 @@ pub use drive::{motion, run, run_on};
 pub use error::Failure;
 pub use memory_estimate::{MemoryEstimate, require_memory, typical_iterations};
 pub use observer::{NextStep, Observer, Positions, RunState, SlabDone};
-pub use openings::{Misuse, Record as OpeningRecord, Seen as OpeningSeen, at_start as openings_at_start};
-pub use probe::{MeshOverRun, ProbeError, Timing, move_over_run, time_flow};
-pub use restart::check as check_restart;
+pub use openings::{Misuse, Record as OpeningRecord, Seen as OpeningSeen};
+pub use preflight::Preflight;
+pub use probe::{MeshOverRun, ProbeError, Timing};
 pub use stored_field::StoredField;
 pub use surfaces::{Column as SurfaceColumn, columns as surface_columns, surface_name};
 pub use time::rounded;

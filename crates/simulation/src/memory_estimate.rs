@@ -2,7 +2,6 @@
 
 mod mesh;
 
-use crate::elasticity_plan;
 use crate::error::Failure;
 use case::memory;
 use case::{Case, Flow, Preconditioner};
@@ -60,10 +59,10 @@ pub struct MemoryEstimate {
 }
 
 impl MemoryEstimate {
-    /// Of a run of `case`.
-    pub fn new<const D: usize>(case: &Case<D>) -> Self {
+    /// Of a run of `case`, whose elastic mesh has the solver of `plan`.
+    pub fn new<const D: usize>(case: &Case<D>, plan: Option<&elasticity::Plan>) -> Self {
         let memory = MemoryEstimate::of_flow(case);
-        let solver = elasticity_plan(case).map_or(0, |plan| plan.bytes);
+        let solver = plan.map_or(0, |plan| plan.bytes);
         MemoryEstimate { mesh: memory.mesh + solver, ..memory }
     }
 

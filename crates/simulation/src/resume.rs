@@ -8,6 +8,10 @@ const MAY_CHANGE: &str = "only the end of the run, `time.adaptive`, `[solver]`, 
                           after the checkpoint may change; with `restart.from` and another output directory a new run starts from \
                           the flow of this one";
 
+/// The remedy where a table has become longer, for the end of a message.
+const LONGER_TABLE: &str = "begin anew with `--force`, or start a new run from the flow of this one with `restart.from` and another \
+                            output directory; a table that goes on for 20 points after `time.end` can be made longer later";
+
 /// Decides whether a run continues from a checkpoint of the run `before`, which has `reached` a time, and logs the settings that change.
 /// `fingerprint` is that of the new run with another lasting part of its case.
 ///
@@ -28,7 +32,11 @@ pub fn accept(
     }
     let differences =
         differences.map_err(|reason| format!("it was written by another version of the program ({reason})"))?;
-    Err(match first_lasting(&differences) {
+    let first = first_lasting(&differences);
+    if let Some(table) = first.and_then(|difference| differences.longer_table(difference)) {
+        return Err(format!("{table}; {LONGER_TABLE}"));
+    }
+    Err(match first {
         Some(difference) => format!("{difference}{}; {MAY_CHANGE}", and_more(&differences.lasting)),
         None if before.mesh_id != now.mesh_id => {
             "the mesh at rest is another one, perhaps because its file has changed".to_owned()
@@ -48,7 +56,7 @@ fn differs_in_tables_to_come(
 }
 
 /// The first difference in the lasting part, with the values of the cases.
-fn first_lasting(Differences { all, lasting }: &Differences) -> Option<&Difference> {
+fn first_lasting(Differences { all, lasting, .. }: &Differences) -> Option<&Difference> {
     let first = lasting.first()?;
     Some(all.iter().find(|difference| difference.key == first.key).unwrap_or(first))
 }

@@ -33,9 +33,8 @@ pub fn start(
     let human = layer().without_time().with_target(false).with_ansi(terminal.is_interactive());
     let human = human.with_writer(move || writer.clone()).with_filter(level(verbosity));
     let file = LogFile::new(directory, LOG_FILE, append);
-    let machine = layer().json().with_writer(Mutex::new(file)).with_filter(LevelFilter::DEBUG);
     let clock = clock.clone().with_filter(filter_fn(CostClock::counts));
-    Registry::default().with(machine).with(human).with(clock).try_init().map_err(io::Error::other)
+    Registry::default().with(machine(file)).with(human).with(clock).try_init().map_err(io::Error::other)
 }
 
 /// Starts logging into the file of `rank` in `directory`, see [`start`], and nowhere else. Records get lost until the first rank has made the
@@ -45,8 +44,12 @@ pub fn start(
 /// If logging has been started before.
 pub fn start_of_rank(directory: &Path, rank: usize, append: bool) -> io::Result<()> {
     let file = LogFile::new(directory, &log_file_of(rank), append);
-    let machine = layer().json().with_writer(Mutex::new(file)).with_filter(LevelFilter::DEBUG);
-    Registry::default().with(machine).try_init().map_err(io::Error::other)
+    Registry::default().with(machine(file)).try_init().map_err(io::Error::other)
+}
+
+/// Writes records as lines of JSON into `file`. The modules that they come from say nothing to a reader.
+fn machine(file: LogFile) -> impl Layer<Registry> {
+    layer().json().with_target(false).with_writer(Mutex::new(file)).with_filter(LevelFilter::DEBUG)
 }
 
 /// The name of the log of a rank other than the first one.

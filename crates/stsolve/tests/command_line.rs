@@ -400,13 +400,35 @@ fn triangles_are_described_and_judged() {
         }
         let (_, stdout, _) = outcome(directory.path(), &["info", "mesh.su2", "--json"]);
         let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
-        assert_eq!(json["mesh.su2"]["cells"], 6);
+        assert_eq!(json["mesh"]["cells"], 6);
         assert!(json["problem"].as_str().unwrap().contains("triangles"));
         let (_, stdout, stderr) = outcome(directory.path(), &["check", "case.toml", "--json", "--probe", "never"]);
         let json: serde_json::Value = serde_json::from_str(&stdout).unwrap_or_else(|_| panic!("{stderr}"));
         let warning = json["warnings"]["cells"].as_str().unwrap_or_default();
         assert_eq!(warning.contains("the orthogonality of cell"), is_poor, "{json}");
+        assert!(!warning.contains("the scaled Jacobian"), "{json}");
+        let scaled_jacobian = json["mesh"]["smallest scaled Jacobian"].as_f64().unwrap();
+        assert!((scaled_jacobian - 1.0 / 3.0).abs() < 1e-12, "{json}");
     }
+}
+
+/// A defect that was: a check of the pieces of well-shaped tetrahedra had no warning, and did not tell the scaled Jacobian.
+#[test]
+fn pieces_of_tetrahedra_are_warned_of() {
+    let directory = TempDir::new().unwrap();
+    let mesh = "NDIME= 3\nNELEM= 1\n10 0 1 2 3\nNPOIN= 4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\nNMARK= 1\nMARKER_TAG= wall\n\
+                MARKER_ELEMS= 4\n5 0 1 2\n5 0 1 3\n5 0 2 3\n5 1 2 3\n";
+    let case = "mesh = { file = \"mesh.su2\", split_simplices = true }\nmotion.displacement = [0, 0, 0]\n\
+                time = { order = 1, end = 1, slabs = 1 }\n";
+    std::fs::write(directory.path().join("mesh.su2"), mesh).unwrap();
+    std::fs::write(directory.path().join("case.toml"), case).unwrap();
+    let (_, stdout, stderr) = outcome(directory.path(), &["check", "case.toml", "--json", "--probe", "never"]);
+    let json: serde_json::Value = serde_json::from_str(&stdout).unwrap_or_else(|_| panic!("{stderr}"));
+    let table = &json["mesh"];
+    assert!((table["smallest scaled Jacobian"].as_f64().unwrap() - 2.0 / 27.0).abs() < 1e-12, "{json}");
+    assert!(table["most distorted cell"].as_u64().unwrap() < 4, "{json}");
+    let warning = json["warnings"]["cells"].as_str().unwrap_or_default();
+    assert!(warning.contains("the scaled Jacobian of cell") && warning.contains("a mesh of hexahedra"), "{json}");
 }
 
 /// The warnings of a case, and its table of outputs.

@@ -270,6 +270,9 @@ fn files_of_a_resumed_run_are_those_of_an_uninterrupted_one() {
     let cuts = [
         "output.lines.a={from=[0.1,0.1,0.2],to=[0.9,0.8,0.7],points=5}",
         "output.slices.b={point=[0.5,0.5,0.5],normal=[0,0,1]}",
+        // The former end, after two slabs, is no multiple of this.
+        "output.lines.c={from=[0.1,0.1,0.2],to=[0.9,0.8,0.7],points=2,every=3}",
+        "output.slices.d={point=[0.5,0.5,0.5],normal=[0,0,1],every=3}",
         "output.checkpoint_every=2",
     ];
     let go = |output: &str, end: &str, extra: &[&str]| {
@@ -288,7 +291,8 @@ fn files_of_a_resumed_run_are_those_of_an_uninterrupted_one() {
     let path = directory.path().join("resumed/line_a.csv");
     fs::write(&path, fs::read_to_string(&path).unwrap() + "0.3,1,2,3,4,5,6,7,8,9\n0.35,").unwrap();
     go("resumed", "time.end=0.4", &["--resume"]);
-    for name in ["line_a.csv", "slice_b.pvd", "slice_b/slab_000003.vtp", "slice_b/slab_000004.vtp"] {
+    let slices = ["slice_b.pvd", "slice_b/slab_000003.vtp", "slice_b/slab_000004.vtp", "slice_d.pvd"];
+    for name in ["line_a.csv", "line_c.csv"].into_iter().chain(slices) {
         let read = |run: &str| fs::read(directory.path().join(run).join(name)).unwrap();
         assert!(read("through") == read("resumed"), "{name}");
     }

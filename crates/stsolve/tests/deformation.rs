@@ -155,12 +155,12 @@ fn a_mesh_file_is_told_about_and_moved() {
     let info = stsolve(directory.path(), &["info", "--json", "plate.msh"]);
     info.expect(0, &[]);
     let info: serde_json::Value = serde_json::from_str(&info.stdout).unwrap();
-    let shape = &info["plate.msh"];
+    let shape = &info["mesh"];
     assert_eq!((&shape["cells"], &shape["order"], &shape["volume"]), (&6.into(), &2.into(), &6.0.into()));
-    assert_eq!((&shape["largest aspect ratio"], &shape["valid"]), (&1.0.into(), &"yes".into()));
+    assert_eq!((&shape["largest aspect ratio"], &shape["valid"]), (&1.0.into(), &true.into()));
     assert_eq!((&info["boundaries"]["left"], &info["boundaries"]["top"]), (&2.into(), &3.into()));
-    let joined = &info["boundaries that are translates of each other and could be periodic"];
-    assert_eq!(joined["left, right"], serde_json::json!([3.0, 0.0]));
+    let joined = serde_json::json!({ "boundaries": ["left", "right"], "translation": [3.0, 0.0] });
+    assert_eq!((&info["file"], &info["translated boundaries"][0]), (&"plate.msh".into(), &joined));
 
     std::fs::write(directory.path().join("plate.toml"), PLATE).unwrap();
     for command in ["motion", "run"] {

@@ -158,6 +158,10 @@ fn in_space_a_cut_is_shown_and_named() {
     // The density of a free stream is uniform.
     let density = &pictures["windows"][0]["pictures"][3][1][1];
     assert_eq!(density[0], density[1], "{density}");
+    // The option takes a name of the page, which this is.
+    let cut = ["report", "run", "--picture", "mach", "--window", "cut x"];
+    stsolve(directory.path(), &cut).expect(0, &[]);
+    assert!(directory.path().join("run/mach_cut_x_last.png").exists());
 }
 
 /// The page of a failed run shows causes, remedies and the worst cell.
@@ -269,6 +273,7 @@ fn every_wall_has_a_window_and_a_movie_every_step() {
     let text = r#"
         mesh = { order = 2, generate.box = { lower = [0, 0], upper = [4, 1], cells = [4, 2] } }
         time = { order = 1, end = 0.2, slabs = 2 }
+        output.formulas.twice_the_pressure = "2*pressure"
         [flow]
         order = 2
         initial.uniform = { velocity = [0.1, 0], pressure = 1 }
@@ -294,12 +299,24 @@ fn every_wall_has_a_window_and_a_movie_every_step() {
     assert!(outcome.stdout.starts_with("run/mach_0_0_1_1_last.png: ") && outcome.stdout.contains(" 1 frame, 0,0,1,1"));
     let picture = fs::read(directory.path().join("run/mach_0_0_1_1_last.png")).unwrap();
     assert!(picture.starts_with(b"\x89PNG") && !picture.windows(4).any(|name| name == b"acTL"));
+    draws_every_field_of_the_flow(directory.path());
     refuses_bad_pictures(directory.path());
+}
+
+/// The result file has these fields; pictures of them were refused.
+fn draws_every_field_of_the_flow(directory: &Path) {
+    for field in ["pressure_coefficient", "temperature", "total_temperature", "velocity", "twice_the_pressure"] {
+        let outcome = stsolve(directory, &["report", "run", "--picture", field, "--window", "0,0,1,1"]);
+        outcome.expect(0, &[]);
+        let picture = fs::read(directory.join(format!("run/{field}_0_0_1_1_last.png"))).unwrap();
+        assert!(picture.starts_with(b"\x89PNG"), "{field}");
+    }
 }
 
 /// Fields, windows, ranges and options of pictures that make no sense.
 fn refuses_bad_pictures(directory: &Path) {
-    stsolve(directory, &["report", "run", "--movie", "much"]).expect(2, &["no pictures of `much`", "mach"]);
+    stsolve(directory, &["report", "run", "--movie", "much"])
+        .expect(2, &["no pictures of `much`", "mach", "twice_the_pressure"]);
     let nowhere = ["report", "run", "--movie", "mach", "--window", "nowhere"];
     stsolve(directory, &nowhere).expect(2, &["no window `nowhere`", "near bottom"]);
     let range = ["report", "run", "--picture", "mach", "--range", "1,0"];

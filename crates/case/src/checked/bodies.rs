@@ -7,6 +7,7 @@ use super::inertia;
 use super::mesh_crate::{Mesh, NodeNumbering};
 use super::time::Time;
 use crate::checker::{Checked, Checker};
+use crate::error::collected;
 use crate::expression::Program;
 use crate::key::Key;
 use crate::raw;
@@ -99,20 +100,22 @@ fn smooth_step(s: f64) -> f64 {
 struct Given<'a, const D: usize> {
     checker: &'a Checker<'a>,
     mesh: &'a Mesh<D>,
+    has_flow: bool,
+    /// The flow; None also if it has an error.
     flow: Option<&'a Flow<D>>,
     time: &'a Time,
 }
 
-/// Checks `[bodies]`.
+/// Checks `[bodies]`, whether there is a flow, and the flow if it has no error.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     raw: &BTreeMap<String, raw::Body>,
     mesh: &Mesh<D>,
-    flow: Option<&Flow<D>>,
+    (has_flow, flow): (bool, Option<&Flow<D>>),
     time: &Time,
 ) -> Checked<Vec<RigidBody<D>>> {
-    let given = Given { checker, mesh, flow, time };
-    let bodies = raw.iter().map(|(name, body)| given.body(name, body)).collect::<Checked<Vec<_>>>()?;
+    let given = Given { checker, mesh, has_flow, flow, time };
+    let bodies = collected(raw.iter().map(|(name, body)| given.body(name, body)))?;
     for (number, body) in bodies.iter().enumerate() {
         let shared = bodies[..number].iter().find(|other| other.walls.iter().any(|wall| body.walls.contains(wall)));
         if let Some(other) = shared {
@@ -134,7 +137,7 @@ fn key_of(name: &str) -> Key {
 impl<const D: usize> Given<'_, D> {
     fn body(&self, name: &str, raw: &raw::Body) -> Checked<RigidBody<D>> {
         let (checker, key) = (self.checker, key_of(name));
-        if self.flow.is_none() {
+        if !self.has_flow {
             return Err(checker.combination(&key, "nothing moves a body without a flow", "a section [flow]"));
         }
         let freedoms = self.freedoms(&key, raw)?;

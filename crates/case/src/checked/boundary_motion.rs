@@ -7,7 +7,7 @@ use super::shared_nodes::{SharedNodes, nodes_on};
 use super::sliding_mesh::Held;
 use crate::boundary_motion::{BoundaryMotion, NormalMotion, RigidMotion, RigidStep};
 use crate::checker::{Checked, Checker};
-use crate::error::Cause;
+use crate::error::{Cause, collected};
 use crate::expression::{Program, Variable};
 use crate::key::Key;
 use crate::raw;
@@ -124,6 +124,28 @@ impl<'a, const D: usize> Boundaries<'a, D> {
             let d = motion.displacement(node, &x, self.time.start);
             check_start(self.checker, key_of, &x, &d, self.time.start, size)
         })
+    }
+}
+
+/// Checks the formulas of a motion given at `key`, on whatever boundary.
+pub(super) fn check_formulas<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &raw::BoundaryMotion,
+) -> Checked<()> {
+    match raw {
+        raw::BoundaryMotion::Fixed | raw::BoundaryMotion::Slide => Ok(()),
+        raw::BoundaryMotion::Displacement(formulas) => {
+            checker.formulas::<D>(&key.child("displacement"), formulas).map(drop)
+        }
+        raw::BoundaryMotion::Rigid(steps) => {
+            let key = key.child("rigid");
+            let steps = steps.iter().enumerate().map(|(index, step)| rigid_step::<D>(checker, &key.entry(index), step));
+            collected(steps).map(drop)
+        }
+        raw::BoundaryMotion::Normal(formula) => {
+            checker.formula_on_boundary::<D>(&key.child("normal"), formula).map(drop)
+        }
     }
 }
 

@@ -13,8 +13,8 @@ use super::source::{self, Source};
 use super::states::{self, Typical};
 use super::time::Time;
 use super::walls;
-use crate::checker::{Checked, Checker};
-use crate::error::{Errors, collected};
+use crate::checker::{Checked, Checker, OTHERS};
+use crate::error::Errors;
 use crate::key::Key;
 use crate::raw;
 use crate::state::State;
@@ -68,20 +68,20 @@ impl<const D: usize> Flow<D> {
     }
 }
 
-/// Checks `[flow]` of a run that covers `time`.
+/// Checks `[flow]` of a run that covers `time`; None: the time has an error.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     raw: &raw::Flow,
     mesh: &Mesh<D>,
-    time: &Time,
+    time: Option<&Time>,
 ) -> Checked<Flow<D>> {
     let key = Key::new("flow");
     let mut errors = Errors::default();
     let order = errors.note(super::order(checker, &key.child("order"), "the order of the flow", raw.order));
     let numerics = errors.note(Numerics::check(checker, &key, raw, mesh));
     let given = errors.note(given::check(checker, &key, raw));
-    let of_gas = given.as_ref().and_then(|given| errors.note(OfGas::check(checker, &key, raw, given, mesh, time)));
-    if let (Some(order), Some(Given { initial, .. })) = (order, &given) {
+    let of_gas = errors.note(OfGas::check(checker, &key, raw, given.as_ref(), mesh, time));
+    if let (Some(order), Some(Given { initial, .. }), Some(time)) = (order, &given, time) {
         let of_start = key.child(if raw.initial.is_some() { "initial" } else { "exact" });
         errors.note(initial::check(checker, &of_start, initial, mesh, order, time.start));
     }
@@ -90,20 +90,6 @@ pub(super) fn check<const D: usize>(
         unreachable!("what is missing has left an error")
     };
     Ok(assembled(raw, order, numerics, given, of_gas))
-}
-
-/// The errors of `[flow]` in the parts that need no time, for a case whose time is wrong.
-pub(super) fn check_without_time<const D: usize>(
-    checker: &Checker<'_>,
-    raw: &raw::Flow,
-    mesh: &Mesh<D>,
-) -> Checked<()> {
-    let key = Key::new("flow");
-    let mut errors = Errors::default();
-    errors.note(super::order(checker, &key.child("order"), "the order of the flow", raw.order));
-    errors.note(Numerics::check(checker, &key, raw, mesh));
-    errors.note(given::check::<D>(checker, &key, raw));
-    errors.all()
 }
 
 /// Settings of the discretisation that do not depend on the gas.
@@ -144,13 +130,18 @@ impl<const D: usize> OfGas<D> {
         checker: &Checker<'_>,
         key: &Key,
         raw: &raw::Flow,
-        given: &Given<D>,
+        given: Option<&Given<D>>,
         mesh: &Mesh<D>,
-        time: &Time,
+        time: Option<&Time>,
     ) -> Checked<Self> {
         let mut errors = Errors::default();
-        let source = errors.note(source::check(checker, key, raw, given.gas, (mesh, time)));
         let boundary = errors.note(boundary(checker, &key.child("boundary"), raw, mesh, given, time));
+        let (Some(given), Some(time)) = (given, time) else {
+            errors.note(checker.by_boundary_or_default(&key.child("forces"), &raw.forces, mesh.boundary_names()));
+            errors.all()?;
+            return Err(checker.follows(key));
+        };
+        let source = errors.note(source::check(checker, key, raw, given.gas, (mesh, time)));
         let walls = boundary.as_ref().and_then(|boundary| {
             let given = forces::Given { forces: &raw.forces, reference: given.reference, length: given.length, time };
             errors.note(forces::check(checker, &key.child("forces"), &given, mesh, boundary))
@@ -211,31 +202,72 @@ fn wall_flux(raw: raw::WallFlux) -> WallFlux {
     }
 }
 
+/// The conditions on all boundaries. Without the gas or the time, what does not need them is checked.
 fn boundary<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
     raw: &raw::Flow,
     mesh: &Mesh<D>,
-    given: &Given<D>,
-    time: &Time,
+    given: Option<&Given<D>>,
+    time: Option<&Time>,
 ) -> Checked<Vec<BoundaryData<D>>> {
-    let named = checker.by_boundary(key, "flow condition", &raw.boundary, mesh.boundary_names())?;
-    let check = |(index, (key, raw)): (usize, &(Key, &raw::Condition))| {
-        let mut data = self::condition(checker, key, raw, given)?;
-        if let raw::Condition::Outflow(outflow) = raw {
-            data = openings::relaxed(checker, &key.child("outflow"), outflow, data, (mesh, index), time)?;
-        }
-        openings::check_on_boundary(checker, key, &data, (mesh, index), &given.gas, time)?;
-        slide::check(checker, key, raw, mesh, index, time)?;
-        if let (raw::Condition::PrescribedState(_), Some(Data::State(state))) = (raw, &data.data) {
-            initial::check_on_boundary(checker, &key.child("prescribed_state"), state, mesh, index, time)?;
-        }
-        Ok(data)
-    };
-    collected(named.iter().enumerate().map(check))
+    let (mut errors, names) = (Errors::default(), mesh.boundary_names());
+    errors.note(checker.by_boundary(key, "flow condition", &raw.boundary, names));
+    let unknown = checker.entries_of_none(key, &raw.boundary, names);
+    let mut conditions = Vec::new();
+    for (index, key_of, raw) in checker.entries_of_boundaries(key, &raw.boundary, names) {
+        // `others` may stand for a boundary whose name is misspelt.
+        let is_doubtful = !unknown.is_empty() && key_of == key.child(OTHERS);
+        let over = time.filter(|_| !is_doubtful).map(|time| (mesh, index, time));
+        conditions.extend(errors.note(condition_over(checker, &key_of, raw, given, over)));
+    }
+    unknown.iter().for_each(|(key, raw)| drop(errors.note(condition_over(checker, key, raw, given, None))));
+    errors.all().map(|()| conditions)
 }
 
+/// The condition on a boundary of a mesh over a time; without these the values of the condition alone are checked.
+fn condition_over<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &raw::Condition,
+    given: Option<&Given<D>>,
+    over: Option<(&Mesh<D>, usize, &Time)>,
+) -> Checked<BoundaryData<D>> {
+    let mut data = self::condition(checker, key, raw, given)?;
+    let (Some(given), Some((mesh, index, time))) = (given, over) else { return Err(checker.follows(key)) };
+    if let raw::Condition::Outflow(outflow) = raw {
+        data = openings::relaxed(checker, &key.child("outflow"), outflow, data, (mesh, index), time)?;
+    }
+    openings::check_on_boundary(checker, key, &data, (mesh, index), &given.gas, time)?;
+    slide::check(checker, key, raw, mesh, index, time)?;
+    if let (raw::Condition::PrescribedState(_), Some(Data::State(state))) = (raw, &data.data) {
+        initial::check_on_boundary(checker, &key.child("prescribed_state"), state, mesh, index, time)?;
+    }
+    Ok(data)
+}
+
+/// The condition with its values; None stands for a gas with an error.
 fn condition<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &raw::Condition,
+    given: Option<&Given<D>>,
+) -> Checked<BoundaryData<D>> {
+    match raw {
+        raw::Condition::SlipWall => Ok(BoundaryData::uniform(Boundary::SlipWall(SlipWall))),
+        raw::Condition::Symmetry => Ok(BoundaryData::uniform(Boundary::Symmetry(SlipWall))),
+        raw::Condition::AdiabaticWall(wall) => walls::adiabatic(checker, &key.child("adiabatic_wall"), wall),
+        raw::Condition::IsothermalWall(wall) => walls::isothermal(checker, &key.child("isothermal_wall"), wall),
+        raw::Condition::Inflow(inflow) => openings::inflow(checker, &key.child("inflow"), inflow),
+        raw::Condition::VelocityInflow(inflow) => {
+            openings::velocity_inflow(checker, &key.child("velocity_inflow"), inflow)
+        }
+        _ => condition_of_gas(checker, key, raw, given.ok_or_else(|| checker.follows(key))?),
+    }
+}
+
+/// The same for conditions that need the gas.
+fn condition_of_gas<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
     raw: &raw::Condition,
@@ -244,39 +276,31 @@ fn condition<const D: usize>(
     let Given { exact, gas, reference, .. } = given;
     let gas = *gas;
     let prescribed = |state| BoundaryData::by_state(Boundary::PrescribedState(PrescribedState), state);
-    let condition = match raw {
+    match raw {
         raw::Condition::Exact => {
-            let missing = || {
-                checker.combination(
-                    key,
-                    "there is no exact solution to take",
-                    "this condition together with `flow.exact`, or another one, for instance `{ far_field = { ... } }`",
-                )
-            };
-            return exact.clone().map(prescribed).ok_or_else(missing);
+            let accepted =
+                "this condition together with `flow.exact`, or another one, for instance `{ far_field = { ... } }`";
+            let missing = || checker.combination(key, "there is no exact solution to take", accepted);
+            exact.clone().map(prescribed).ok_or_else(missing)
         }
         raw::Condition::PrescribedState(state) => {
             let Typical { state, .. } = states::check(checker, &key.child("prescribed_state"), state, gas)?;
-            return Ok(prescribed(state));
+            Ok(prescribed(state))
         }
-        raw::Condition::SlipWall => Boundary::SlipWall(SlipWall),
-        raw::Condition::Symmetry => Boundary::Symmetry(SlipWall),
         raw::Condition::FarField(stream) => {
             let key = key.child("far_field");
-            Boundary::FarField(checker.physics(&key, FarField::new(states::free_stream(checker, &key, stream, gas)?))?)
-        }
-        raw::Condition::AdiabaticWall(wall) => return walls::adiabatic(checker, &key.child("adiabatic_wall"), wall),
-        raw::Condition::IsothermalWall(wall) => return walls::isothermal(checker, &key.child("isothermal_wall"), wall),
-        raw::Condition::Inflow(inflow) => return openings::inflow(checker, &key.child("inflow"), inflow),
-        raw::Condition::VelocityInflow(inflow) => {
-            return openings::velocity_inflow(checker, &key.child("velocity_inflow"), inflow);
+            let far = checker.physics(&key, FarField::new(states::free_stream(checker, &key, stream, gas)?))?;
+            Ok(BoundaryData::uniform(Boundary::FarField(far)))
         }
         raw::Condition::SupersonicInflow(state) => {
-            return openings::supersonic_inflow(checker, &key.child("supersonic_inflow"), state, gas);
+            openings::supersonic_inflow(checker, &key.child("supersonic_inflow"), state, gas)
         }
-        raw::Condition::Outflow(outflow) => {
-            return openings::outflow(checker, &key.child("outflow"), outflow, &gas, reference);
-        }
-    };
-    Ok(BoundaryData::uniform(condition))
+        raw::Condition::Outflow(outflow) => openings::outflow(checker, &key.child("outflow"), outflow, &gas, reference),
+        raw::Condition::SlipWall
+        | raw::Condition::Symmetry
+        | raw::Condition::AdiabaticWall(_)
+        | raw::Condition::IsothermalWall(_)
+        | raw::Condition::Inflow(_)
+        | raw::Condition::VelocityInflow(_) => unreachable!("these need no gas"),
+    }
 }

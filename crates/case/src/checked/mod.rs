@@ -53,10 +53,11 @@ pub use source::Source;
 pub use structure::{Largest, Structure, Support};
 pub use time::{Output, Time};
 
-use super::checker::{Checked, Checker};
+use super::checker::{Checked, Checker, Sound};
+use super::consequences::Damage;
 use super::continuation::{as_toml, lasting};
 use super::document::Document;
-use super::error::{CaseError, Errors, collected};
+use super::error::{CaseError, Errors};
 use super::key::Key;
 use super::raw;
 use super::reading::{self, Read};
@@ -147,19 +148,36 @@ impl AnyCase {
     /// # Errors
     /// As [`AnyCase::read`].
     pub fn check(document: &Document) -> Result<Self, Box<CaseError>> {
-        let Read { case, mut errors } = reading::read(document)?;
-        let case = case.and_then(|raw| errors.note(Self::check_values(document, &raw)));
+        let Read { case, mut errors, damage } = reading::read(document)?;
+        let case = case.and_then(|raw| errors.note(Self::check_values(document, &raw, &damage)));
         errors.all()?;
         Ok(case.expect("a case without errors can be read"))
     }
 
-    fn check_values(document: &Document, raw: &raw::Case) -> Checked<Self> {
-        let checker = checker_of(document, raw)?;
-        match mesh::build(&checker, &raw.mesh) {
-            Ok(AnyMesh::Plane(mesh)) => Ok(AnyCase::Plane(Box::new(Case::check(&checker, document, raw, mesh)?))),
-            Ok(AnyMesh::Space(mesh)) => Ok(AnyCase::Space(Box::new(Case::check(&checker, document, raw, mesh)?))),
-            Err(error) => Err(check_without_mesh(&checker, raw, error)),
-        }
+    /// Checks the values of a case that could be read with `damage`.
+    fn check_values(document: &Document, raw: &raw::Case, damage: &Damage) -> Checked<Self> {
+        let Sound { checker, mut errors } = checker_of(document, raw, damage.clone());
+        let (mut of_mesh, mut damage) = (Errors::default(), damage.clone());
+        let mesh = of_mesh.note(mesh::build(&checker, &raw.mesh));
+        errors.extend(of_mesh.without_consequences_of(&damage));
+        damage.of_geometry = mesh.is_none();
+        let mesh = mesh.or_else(|| mesh::stand_in(&checker, &raw.mesh)).filter(|_| !damage.hides_boundaries());
+        let mut of_sections = Errors::default();
+        let case = match mesh {
+            Some(AnyMesh::Plane(mesh)) => {
+                of_sections.note(Case::check(&checker, document, raw, mesh)).map(|case| AnyCase::Plane(Box::new(case)))
+            }
+            Some(AnyMesh::Space(mesh)) => {
+                of_sections.note(Case::check(&checker, document, raw, mesh)).map(|case| AnyCase::Space(Box::new(case)))
+            }
+            None => {
+                of_sections.note(check_without_mesh(&checker, raw));
+                None
+            }
+        };
+        errors.extend(of_sections.without_consequences_of(&damage));
+        errors.all()?;
+        case.ok_or_else(|| checker.follows(&Key::default()))
     }
 
     /// The output directory given in the case, if any.
@@ -187,26 +205,41 @@ impl AnyCase {
     }
 }
 
-/// The error of the mesh, and those of the sections that need none.
-fn check_without_mesh(checker: &Checker<'_>, raw: &raw::Case, error: Box<CaseError>) -> Box<CaseError> {
+/// Checks the sections that need no mesh.
+fn check_without_mesh(checker: &Checker<'_>, raw: &raw::Case) -> Checked<()> {
     let mut errors = Errors::default();
-    errors.add(error);
     errors.note(time::check(checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some()));
     errors.note(solver::check(checker, &raw.solver));
     errors.note(time::check_output(checker, &raw.output));
-    errors.all().expect_err("there is one")
+    errors.all()
 }
 
 impl<const D: usize> Case<D> {
     fn check(checker: &Checker<'_>, document: &Document, raw: &raw::Case, mesh: mesh_crate::Mesh<D>) -> Checked<Self> {
-        let independent = Independent::check(checker, raw, mesh)?;
-        let dependent = Dependent::check(checker, raw, &independent)?;
-        check_together(checker, raw, &independent, &dependent)?;
-        let Independent { time, mesh, flow, structure, output } = independent;
-        let Dependent { observed, averages, bodies, motion } = dependent;
+        let mut errors = Errors::default();
+        let independent = Independent::check(checker, raw, mesh, &mut errors);
+        let dependent = Dependent::check(checker, raw, &independent, &mut errors);
+        let stages = errors.note(parallel::stages(checker, &raw.parallel));
+        check_presence(checker, raw, &independent, &mut errors);
+        errors.all()?;
+        let (Some(independent), Some(dependent), Some(stages)) = (independent.whole(), dependent.whole(), stages) else {
+            return Err(checker.follows(&Key::default()));
+        };
+        check_together(checker, &independent, &dependent)?;
+        Ok(Self::assembled(checker, document, raw, independent, dependent, stages))
+    }
+
+    fn assembled(
+        checker: &Checker<'_>,
+        document: &Document,
+        raw: &raw::Case,
+        Whole { time, mesh, flow, structure, output }: Whole<D>,
+        WholeDependent { observed, averages, bodies, motion }: WholeDependent<D>,
+        stages: usize,
+    ) -> Self {
         let of_boundaries = flow.iter().flat_map(Flow::controls);
         let controls = checker.controls().iter().chain(of_boundaries).cloned().collect();
-        Ok(Case {
+        Case {
             about: About::new(checker, document, raw),
             mesh,
             splits_simplices: raw.mesh.split_simplices == Some(true),
@@ -220,16 +253,52 @@ impl<const D: usize> Case<D> {
             allowed_changes: raw.restart.as_ref().map_or_else(Vec::new, |restart| restart.allow.clone()),
             solver: raw.solver.clone(),
             blocks: raw.parallel.blocks,
-            stages: parallel::stages(checker, &raw.parallel)?,
+            stages,
             output,
             observed,
             averages,
-        })
+        }
     }
 }
 
-/// The sections of a case that depend on the mesh and the time, and not on each other. All their errors are reported at once.
+/// The sections of a case that depend on the mesh and the time, and not on each other. None stands for a section with an error.
 struct Independent<const D: usize> {
+    time: Option<Time>,
+    mesh: Option<mesh_crate::Mesh<D>>,
+    flow: Option<Option<Flow<D>>>,
+    structure: Option<Option<Structure<D>>>,
+    output: Option<Output>,
+}
+
+impl<const D: usize> Independent<D> {
+    fn check(checker: &Checker<'_>, raw: &raw::Case, mesh: mesh_crate::Mesh<D>, errors: &mut Errors) -> Self {
+        let time = errors.note(time::check(checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some()));
+        let time = time.filter(|_| !checker.damage().has("time"));
+        errors.note(solver::check(checker, &raw.solver));
+        let output = errors.note(time::check_output(checker, &raw.output));
+        let split = errors.note(parts::split(checker, raw.structure.as_ref(), raw.flow.is_some(), mesh));
+        let Some((mesh, part)) = split else {
+            return Independent { time, mesh: None, flow: None, structure: None, output };
+        };
+        let flow = raw.flow.as_ref().map(|flow| flow::check(checker, flow, &mesh, time.as_ref()));
+        let flow = errors.note(flow.transpose());
+        let structure = match (&raw.structure, &time) {
+            (None, _) => Some(None),
+            (Some(raw), Some(time)) => errors.note(structure::check(checker, raw, &mesh, part, time)).map(Some),
+            (Some(_), None) => None,
+        };
+        Independent { time, mesh: Some(mesh), flow, structure, output }
+    }
+
+    /// All sections, if all are correct.
+    fn whole(self) -> Option<Whole<D>> {
+        let Independent { time, mesh, flow, structure, output } = self;
+        Some(Whole { time: time?, mesh: mesh?, flow: flow?, structure: structure?, output: output? })
+    }
+}
+
+/// The correct sections of [`Independent`].
+struct Whole<const D: usize> {
     time: Time,
     mesh: mesh_crate::Mesh<D>,
     flow: Option<Flow<D>>,
@@ -237,81 +306,107 @@ struct Independent<const D: usize> {
     output: Output,
 }
 
-impl<const D: usize> Independent<D> {
-    fn check(checker: &Checker<'_>, raw: &raw::Case, mesh: mesh_crate::Mesh<D>) -> Checked<Self> {
-        let mut errors = Errors::default();
-        let time = errors.note(time::check(checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some()));
-        let parts = errors.note(parts::split(checker, raw.structure.as_ref(), raw.flow.is_some(), mesh));
-        let sections = match (&time, parts) {
-            (Some(time), Some((mesh, part))) => {
-                let flow = raw.flow.as_ref().map(|flow| flow::check(checker, flow, &mesh, time));
-                let structure = raw.structure.as_ref();
-                let structure = structure.map(|raw| structure::check(checker, raw, &mesh, part, time));
-                Some((errors.note(flow.transpose()), errors.note(structure.transpose()), mesh))
-            }
-            (None, Some((mesh, _))) => {
-                errors.note(raw.flow.as_ref().map_or(Ok(()), |flow| flow::check_without_time(checker, flow, &mesh)));
+/// The sections of a case that depend on those of [`Independent`]. None stands for a section with an error.
+struct Dependent<const D: usize> {
+    observed: Option<Observed<D>>,
+    averages: Option<Option<Averages>>,
+    bodies: Option<Vec<RigidBody<D>>>,
+    motion: Option<Option<Motion<D>>>,
+}
+
+impl<const D: usize> Dependent<D> {
+    fn check(checker: &Checker<'_>, raw: &raw::Case, independent: &Independent<D>, errors: &mut Errors) -> Self {
+        let mut found = Dependent { observed: None, averages: None, bodies: None, motion: None };
+        let Some(mesh) = &independent.mesh else { return found };
+        let flow = raw.flow.as_ref();
+        errors.note(surfaces::check(checker, raw.output.surfaces.as_ref(), flow, mesh.boundary_names()));
+        found.observed = errors.note(probes::check(checker, &raw.output, mesh, flow.map(|flow| flow.order)));
+        if let Some(time) = &independent.time {
+            let averages = averages::check(checker, raw.output.averages.as_ref(), time, flow.is_some());
+            found.averages = errors.note(averages);
+            found.bodies = Self::bodies(checker, raw, mesh, independent, time, errors);
+        }
+        found.motion = match found.movers(checker, independent, errors) {
+            Some((movers, time)) => errors.note(motion::check(checker, raw.motion.as_ref(), mesh, &movers, time)),
+            None => {
+                errors.note(motion::check_alone(checker, raw.motion.as_ref(), mesh));
                 None
             }
-            _ => None,
         };
-        errors.note(solver::check(checker, &raw.solver));
-        let output = errors.note(time::check_output(checker, &raw.output));
-        errors.all()?;
-        match (time, sections, output) {
-            (Some(time), Some((Some(flow), Some(structure), mesh)), Some(output)) => {
-                Ok(Independent { time, mesh, flow, structure, output })
-            }
-            _ => unreachable!("what is missing has left an error"),
-        }
+        found
+    }
+
+    fn bodies(
+        checker: &Checker<'_>,
+        raw: &raw::Case,
+        mesh: &mesh_crate::Mesh<D>,
+        independent: &Independent<D>,
+        time: &Time,
+        errors: &mut Errors,
+    ) -> Option<Vec<RigidBody<D>>> {
+        let flow = independent.flow.as_ref().and_then(Option::as_ref);
+        errors.note(bodies::check(checker, &raw.bodies, mesh, (raw.flow.is_some(), flow), time))
+    }
+
+    /// What moves walls, and the time; None if one of the sections that tell it has an error.
+    fn movers<'a>(
+        &self,
+        checker: &Checker<'_>,
+        independent: &'a Independent<D>,
+        errors: &mut Errors,
+    ) -> Option<(movers::Movers, &'a Time)> {
+        let Independent { time, mesh, flow, structure, .. } = independent;
+        let (time, bodies, structure) = (time.as_ref()?, self.bodies.as_ref()?, structure.as_ref()?);
+        // Only a structure needs the flow.
+        let flow = if structure.is_some() { flow.as_ref()?.as_ref() } else { None };
+        let movers = movers::Movers::new(checker, bodies, structure.as_ref(), flow, mesh.as_ref()?);
+        Some((errors.note(movers)?, time))
+    }
+
+    /// All sections, if all are correct.
+    fn whole(self) -> Option<WholeDependent<D>> {
+        let Dependent { observed, averages, bodies, motion } = self;
+        Some(WholeDependent { observed: observed?, averages: averages?, bodies: bodies?, motion: motion? })
     }
 }
 
-/// The sections of a case that depend on those of [`Independent`]. All their errors are reported at once.
-struct Dependent<const D: usize> {
+/// The correct sections of [`Dependent`].
+struct WholeDependent<const D: usize> {
     observed: Observed<D>,
     averages: Option<Averages>,
     bodies: Vec<RigidBody<D>>,
     motion: Option<Motion<D>>,
 }
 
-impl<const D: usize> Dependent<D> {
-    fn check(checker: &Checker<'_>, raw: &raw::Case, independent: &Independent<D>) -> Checked<Self> {
-        let Independent { time, mesh, flow, structure, .. } = independent;
-        let (flow, structure) = (flow.as_ref(), structure.as_ref());
-        let mut errors = Errors::default();
-        errors.note(surfaces::check(checker, raw.output.surfaces.as_ref(), flow));
-        let averages = errors.note(averages::check(checker, raw.output.averages.as_ref(), time, flow.is_some()));
-        let observed = errors.note(probes::check(checker, &raw.output, mesh, flow.map(|flow| flow.order)));
-        let bodies = errors.note(bodies::check(checker, &raw.bodies, mesh, flow, time));
-        let movers =
-            bodies.as_ref().and_then(|bodies| errors.note(movers::Movers::new(checker, bodies, structure, flow, mesh)));
-        let motion =
-            movers.and_then(|movers| errors.note(motion::check(checker, raw.motion.as_ref(), mesh, &movers, time)));
-        errors.all()?;
-        match (observed, averages, bodies, motion) {
-            (Some(observed), Some(averages), Some(bodies), Some(motion)) => {
-                Ok(Dependent { observed, averages, bodies, motion })
-            }
-            _ => unreachable!("what is missing has left an error"),
-        }
-    }
+/// Checks that the sections that are present belong together. Without a flow this is left until there are no other errors, which may say the same.
+fn check_presence<const D: usize>(
+    checker: &Checker<'_>,
+    raw: &raw::Case,
+    independent: &Independent<D>,
+    errors: &mut Errors,
+) {
+    let has_flow = raw.flow.is_some();
+    let Some(mesh) = independent.mesh.as_ref().filter(|_| has_flow || errors.is_empty()) else { return };
+    errors.note(parallel::check(checker, &raw.parallel, has_flow.then(|| mesh.n_cells())));
+    errors.note(check_sections_of(checker, raw));
+}
+
+fn check_sections_of(checker: &Checker<'_>, raw: &raw::Case) -> Checked<()> {
+    let moves = raw.motion.is_some() || raw.bodies.values().any(|body| body.mesh.is_some());
+    check_sections(checker, [moves, raw.flow.is_some(), raw.structure.is_some()])?;
+    controls::need_a_flow(checker, &raw.controls, raw.flow.is_some())?;
+    time::check_fields_of_structure(checker, &raw.output.fields, raw.structure.is_some())?;
+    restart_needs_a_flow(checker, raw.restart.as_ref(), raw.flow.is_some())
 }
 
 /// Checks that sections, each of them correct, fit together.
 fn check_together<const D: usize>(
     checker: &Checker<'_>,
-    raw: &raw::Case,
-    Independent { time, mesh, flow, structure, .. }: &Independent<D>,
-    Dependent { motion, .. }: &Dependent<D>,
+    Whole { time, mesh, flow, structure, .. }: &Whole<D>,
+    WholeDependent { motion, .. }: &WholeDependent<D>,
 ) -> Checked<()> {
     held_nodes::check(checker, structure.as_ref(), motion.as_ref(), mesh, time)?;
-    sliding_mesh::check_walls(checker, mesh, motion.as_ref(), flow.as_ref())?;
-    check_sections(checker, [motion.is_some(), flow.is_some(), structure.is_some()])?;
-    parallel::check(checker, &raw.parallel, flow.as_ref().map(|_| mesh.n_cells()))?;
-    controls::need_a_flow(checker, &raw.controls, flow.is_some())?;
-    time::check_fields_of_structure(checker, &raw.output.fields, structure.is_some())?;
-    restart_needs_a_flow(checker, raw.restart.as_ref(), flow.is_some())
+    sliding_mesh::check_walls(checker, mesh, motion.as_ref(), flow.as_ref())
 }
 
 /// Only a flow starts from the result of another run.
@@ -383,20 +478,25 @@ impl About {
     }
 }
 
-/// A checker of `raw`, with its constants and tables.
-fn checker_of<'a>(document: &'a Document, raw: &raw::Case) -> Checked<Checker<'a>> {
-    let mut checker = Checker::new(document, &raw.constants)?;
+/// A checker of `raw`, with its constants, tables and controls that have no error, and the errors of the others.
+fn checker_of<'a>(document: &'a Document, raw: &raw::Case, damage: Damage) -> Sound<'a> {
+    let Sound { mut checker, mut errors } = Checker::of_constants(document, &raw.constants, damage);
     let key = Key::new("tables");
-    let table = |(name, table): (&String, &raw::Table)| tables::check(&checker, &key.child(name), table);
-    let tables = collected(raw.tables.iter().map(table))?;
-    for (name, table) in raw.tables.keys().zip(tables) {
-        checker.define_table(&key.child(name), name, table)?;
+    for (name, raw) in &raw.tables {
+        let key = key.child(name);
+        let table = tables::check(&checker, &key, raw);
+        let defined = table.and_then(|table| checker.define_table(&key, name, table));
+        if errors.note(defined).is_none() {
+            checker.lose(key);
+        }
     }
     for (name, raw) in &raw.controls {
-        let control = controls::check(&checker, name, raw)?;
-        checker.define_control(control)?;
+        let control = controls::check(&checker, name, raw);
+        if errors.note(control.and_then(|control| checker.define_control(control))).is_none() {
+            checker.lose(Key::new("controls").child(name));
+        }
     }
-    Ok(checker)
+    Sound { checker, errors }
 }
 
 /// The keys of the resolved case that are not in the document.

@@ -1,15 +1,14 @@
 //! The motion of the mesh.
 
 use super::Time;
-use super::boundary_motion::Boundaries;
+use super::boundary_motion::{Boundaries, check_formulas};
 use super::displacement::check_displacement;
 use super::mesh_crate::Mesh;
 use super::movers::Movers;
 use super::sliding_mesh::{Held, check_held};
 use crate::boundary_motion::BoundaryMotion;
-use crate::checker::{Checked, Checker};
-use crate::error::Cause;
-use crate::error::collected;
+use crate::checker::{Checked, Checker, OTHERS};
+use crate::error::{Cause, Errors};
 use crate::expression::Program;
 use crate::key::Key;
 use crate::raw;
@@ -186,29 +185,96 @@ fn elastic<const D: usize>(
     moved: &[bool],
     time: &Time,
 ) -> Checked<Motion<D>> {
-    let elasticity = raw.elasticity.clone().unwrap_or_default();
-    let key_elasticity = key.child("elasticity");
-    let nu = checker.poisson_ratio(&key_elasticity.child("poisson_ratio"), elasticity.poisson_ratio)?;
-    let stiffness = stiffness(checker, &key_elasticity.child("stiffness"), &elasticity.stiffness, mesh)?;
-    let law = law(checker, &key_elasticity, &elasticity)?;
-    let named = checker.by_boundary(&key.child("boundary"), "motion", &raw.boundary, mesh.boundary_names())?;
-    let boundaries = Boundaries::new(checker, mesh, time);
-    let motion = |(index, (key, motion)): (usize, &(Key, &raw::BoundaryMotion))| boundaries.motion(index, key, motion);
-    let boundary = collected(named.iter().enumerate().map(motion))?;
-    let slide = |(index, (key, motion)): (usize, &(Key, &raw::BoundaryMotion))| boundaries.slide(index, key, motion);
-    let slides = collected(named.iter().enumerate().map(slide))?;
-    let keys: Vec<Key> = named.into_iter().map(|(key, _)| key).collect();
-    boundaries.check_shared(&keys, &boundary, &slides, moved)?;
-    check_held(checker, &key.child("boundary"), &slides)?;
-    Ok(Motion::Elastic {
-        poisson_ratio: nu,
-        stiffness,
-        law,
-        solver: solver(elasticity.solver),
-        tolerance: elasticity.tolerance.unwrap_or(TOLERANCE),
-        boundary,
-        slides,
-    })
+    let mut errors = Errors::default();
+    let elasticity = errors.note(Elasticity::check(checker, key, raw, mesh));
+    let boundaries = errors.note(of_boundaries(checker, &key.child("boundary"), &raw.boundary, mesh, moved, time));
+    errors.all()?;
+    let (Some(elasticity), Some((boundary, slides))) = (elasticity, boundaries) else {
+        unreachable!("what is missing has left an error")
+    };
+    let Elasticity { poisson_ratio, stiffness, law, solver, tolerance } = elasticity;
+    Ok(Motion::Elastic { poisson_ratio, stiffness, law, solver, tolerance, boundary, slides })
+}
+
+/// Checks what can be checked of `[motion]` if the time, or what moves walls, has an error.
+pub(super) fn check_alone<const D: usize>(
+    checker: &Checker<'_>,
+    raw: Option<&raw::Motion>,
+    mesh: &Mesh<D>,
+) -> Checked<()> {
+    let Some(raw) = raw else { return Ok(()) };
+    let (mut errors, key) = (Errors::default(), Key::new("motion"));
+    if let Some(formulas) = &raw.displacement {
+        return checker.formulas::<D>(&key.child("displacement"), formulas).map(drop);
+    }
+    errors.note(Elasticity::check(checker, &key, raw, mesh));
+    let key = key.child("boundary");
+    errors.note(checker.by_boundary(&key, "motion", &raw.boundary, mesh.boundary_names()));
+    for (name, motion) in &raw.boundary {
+        errors.note(check_formulas::<D>(checker, &key.child(name), motion));
+    }
+    errors.all()
+}
+
+/// The elastic material of the mesh.
+struct Elasticity {
+    poisson_ratio: f64,
+    stiffness: Stiffness,
+    law: Law,
+    solver: Solver,
+    tolerance: f64,
+}
+
+impl Elasticity {
+    fn check<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::Motion, mesh: &Mesh<D>) -> Checked<Self> {
+        let (raw, key) = (raw.elasticity.clone().unwrap_or_default(), key.child("elasticity"));
+        let mut errors = Errors::default();
+        let nu = errors.note(checker.poisson_ratio(&key.child("poisson_ratio"), raw.poisson_ratio));
+        let stiffness = errors.note(stiffness(checker, &key.child("stiffness"), &raw.stiffness, mesh));
+        let law = errors.note(law(checker, &key, &raw));
+        errors.all()?;
+        let (Some(poisson_ratio), Some(stiffness), Some(law)) = (nu, stiffness, law) else {
+            unreachable!("what is missing has left an error")
+        };
+        let tolerance = raw.tolerance.unwrap_or(TOLERANCE);
+        Ok(Elasticity { poisson_ratio, stiffness, law, solver: solver(raw.solver), tolerance })
+    }
+}
+
+/// The displacement of each boundary, and what each of them holds if it slides.
+type OfBoundaries<const D: usize> = (Vec<Option<BoundaryMotion<D>>>, Vec<Option<Held<D>>>);
+
+/// The motions of all boundaries, `given` at `key`.
+fn of_boundaries<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    given: &BTreeMap<String, raw::BoundaryMotion>,
+    mesh: &Mesh<D>,
+    moved: &[bool],
+    time: &Time,
+) -> Checked<OfBoundaries<D>> {
+    let (mut errors, names) = (Errors::default(), mesh.boundary_names());
+    errors.note(checker.by_boundary(key, "motion", given, names));
+    let unknown = checker.entries_of_none(key, given, names);
+    for (key, motion) in &unknown {
+        errors.note(check_formulas::<D>(checker, key, motion));
+    }
+    let (boundaries, mut motions, mut keys) = (Boundaries::new(checker, mesh, time), Vec::new(), Vec::new());
+    let mut slides = Vec::new();
+    for (index, key_of, raw) in checker.entries_of_boundaries(key, given, names) {
+        // `others` may stand for a boundary whose name is misspelt.
+        if !unknown.is_empty() && key_of == key.child(OTHERS) {
+            errors.note(check_formulas::<D>(checker, &key_of, raw));
+            continue;
+        }
+        motions.extend(errors.note(boundaries.motion(index, &key_of, raw)));
+        slides.extend(errors.note(boundaries.slide(index, &key_of, raw)));
+        keys.push(key_of);
+    }
+    errors.all()?;
+    boundaries.check_shared(&keys, &motions, &slides, moved)?;
+    check_held(checker, key, &slides)?;
+    Ok((motions, slides))
 }
 
 /// The law; keys of other laws are refused.

@@ -2,7 +2,7 @@
 
 use super::movers::Movers;
 use super::{AllowedChange, AnyCase, Flow, Motion, checker_of, mesh_crate, motion, time};
-use crate::checker::OTHERS;
+use crate::checker::{OTHERS, Sound};
 use crate::document::Document;
 use crate::error::CaseError;
 use crate::raw;
@@ -65,10 +65,11 @@ pub fn motion_of<const D: usize>(
     mesh: &mesh_crate::Mesh<D>,
 ) -> Result<Option<Motion<D>>, Box<CaseError>> {
     let document = Document::parse(Path::new("case"), resolved.to_owned(), &[])?;
-    let Read { case, errors } = reading::read(&document)?;
+    let Read { case, errors, damage } = reading::read(&document)?;
     errors.all()?;
     let raw = case.expect("a case without errors can be read");
-    let checker = checker_of(&document, &raw)?;
+    let Sound { checker, errors } = checker_of(&document, &raw, damage);
+    errors.all()?;
     let time = time::check(&checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some())?;
     motion::check(&checker, raw.motion.as_ref(), mesh, &Movers::default(), &time)
 }

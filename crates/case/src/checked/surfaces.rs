@@ -1,30 +1,38 @@
 //! Distributions along walls.
 
-use super::flow::Flow;
 use crate::checker::{Checked, Checker};
-use crate::error::Cause;
+use crate::error::{Cause, collected};
 use crate::key::Key;
 use crate::raw;
 
-/// Checks `[output.surfaces]`: the surfaces are walls of the flow, each listed once.
-pub(super) fn check<const D: usize>(
+/// Checks `[output.surfaces]` on a mesh with these `boundaries`: the surfaces are walls of the flow, each listed once.
+pub(super) fn check(
     checker: &Checker<'_>,
     raw: Option<&raw::Surfaces>,
-    flow: Option<&Flow<D>>,
+    flow: Option<&raw::Flow>,
+    boundaries: &[String],
 ) -> Checked<()> {
     let Some(raw) = raw else { return Ok(()) };
+    // A boundary without a condition, and one with an unknown name, are other errors.
+    let conditions = flow.map(|flow| checker.entries_of_boundaries(&Key::new("flow"), &flow.boundary, boundaries));
+    let is_whole = flow.is_none_or(|flow| {
+        checker.by_boundary(&Key::new("flow.boundary"), "flow condition", &flow.boundary, boundaries).is_ok()
+    });
+    if !is_whole || checker.damage().hides_conditions() {
+        return Ok(());
+    }
     let key = Key::new("output").child("surfaces").child("walls");
-    let walls: Vec<String> = flow.iter().flat_map(|flow| &flow.walls).map(|wall| wall.name.clone()).collect();
+    let walls = conditions.iter().flatten().filter(|(.., condition)| condition.is_wall());
+    let walls: Vec<String> = walls.map(|(index, ..)| boundaries[*index].clone()).collect();
     if walls.is_empty() {
         let problem = "there are no distributions: the case has no wall in a flow";
         let accepted = "no section [output.surfaces], or a condition such as `adiabatic_wall` in [flow.boundary]";
         return Err(checker.combination(&key, problem, accepted));
     }
-    for (index, name) in checker.distinct(&key, "wall", &raw.walls)?.iter().enumerate() {
-        if !walls.contains(name) {
-            let unknown = Cause::Unknown { kind: "wall", name: name.clone(), accepted: walls };
-            return Err(checker.error(&key.entry(index), unknown));
-        }
-    }
-    Ok(())
+    let names = checker.distinct(&key, "wall", &raw.walls)?.iter().enumerate();
+    let unknown = names.filter(|(_, name)| !walls.contains(name)).map(|(index, name)| {
+        let cause = Cause::Unknown { kind: "wall", name: name.clone(), accepted: walls.clone(), belongs: None };
+        Err(checker.error(&key.entry(index), cause))
+    });
+    collected::<()>(unknown).map(drop)
 }

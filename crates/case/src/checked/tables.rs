@@ -99,7 +99,8 @@ fn place(checker: &Checker<'_>, key: &Key, column: &Column, names: &[String]) ->
             let found = names.iter().position(|known| known == name);
             let without = || names.iter().position(|known| without_unit(known) == name);
             found.or_else(without).ok_or_else(|| {
-                let cause = Cause::Unknown { kind: "column", name: name.clone(), accepted: names.to_vec() };
+                let cause =
+                    Cause::Unknown { kind: "column", name: name.clone(), accepted: names.to_vec(), belongs: None };
                 checker.error(key, cause)
             })
         }

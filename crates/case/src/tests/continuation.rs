@@ -6,7 +6,7 @@ use super::*;
 fn changed(options: &[&str]) -> (Vec<String>, Vec<String>) {
     let resolved = |options: &[&str]| plane(BASE, options).about;
     let (before, now) = (resolved(&[]), resolved(options));
-    let Differences { all, lasting } = differences(&before.resolved, &now.resolved).unwrap();
+    let Differences { all, lasting, .. } = differences(&before.resolved, &now.resolved).unwrap();
     assert_eq!(lasting.is_empty(), before.lasting == now.lasting, "{options:?}");
     let keys = |differences: Vec<Difference>| differences.into_iter().map(|difference| difference.key).collect();
     (keys(all), keys(lasting))
@@ -84,13 +84,18 @@ fn a_longer_table_continues_a_shorter_one() {
         let about = |end: i32| plane(BASE, &[&moved, &sine(end)]).about;
         let (before, now) = (about(60), about(80));
         assert_eq!(lasting_of(&before.resolved).unwrap(), before.lasting);
-        let Differences { all, lasting } = differences_after(&before.resolved, &now.resolved, reached).unwrap();
+        let Differences { all, lasting, longer_tables } =
+            differences_after(&before.resolved, &now.resolved, reached).unwrap();
         assert!(all.iter().any(|difference| difference.key == "tables.way.t"));
-        lasting.len()
+        (lasting.len(), longer_tables.first().map_or_else(String::new, ToString::to_string))
     };
-    assert_eq!(lasting("way(t)*y*(1-y)", 1.0), 0);
-    assert_ne!(lasting("way(t)*y*(1-y)", 3.0), 0);
-    assert_ne!(lasting("way(3*t)*y*(1-y)", 1.0), 0);
+    assert_eq!(lasting("way(t)*y*(1-y)", 1.0), (0, String::new()));
+    // The message once gave the first numbers of both tables, which were the same.
+    let (differ, because) = lasting("way(t)*y*(1-y)", 2.9);
+    assert_ne!(differ, 0);
+    assert!(because.contains("at t = 2.9 too: the table ended at t = 3, 2 points after the checkpoint"), "{because}");
+    let (differ, because) = lasting("way(3*t)*y*(1-y)", 1.0);
+    assert!(differ > 0 && because.contains("at more than the present time"), "{because}");
 }
 
 /// A table from a file is written out, so that a run detects a change of the file.

@@ -7,6 +7,7 @@ use fem::VectorField;
 use navier_stokes::{Boundary, ExactState, Riemann};
 use std::path::{Path, PathBuf};
 
+mod all_errors;
 mod bad_input;
 mod bodies;
 mod continuation;

@@ -24,6 +24,10 @@ pub struct Exchange {
     pub outgoing: Vec<Crossing>,
     /// From ghosts of the stage to own cells.
     pub incoming: Vec<Crossing>,
+    /// The ghost and the number of every outgoing crossing.
+    sends: Vec<(usize, usize)>,
+    /// The ghost of every incoming crossing.
+    receives: Vec<usize>,
 }
 
 /// The messages after every stage.
@@ -67,13 +71,20 @@ fn exchange(crossings: &[Crossing], ordering: &Ordering, stage: &Stage, is_forwa
         |crossing: &&Crossing| stage.own.contains(&position(crossing.own)) && sends(crossing.own, crossing.ghost);
     let arrives =
         |crossing: &&Crossing| stage.ghosts.contains(&position(crossing.ghost)) && sends(crossing.ghost, crossing.own);
-    Exchange {
-        outgoing: crossings.iter().filter(leaves).copied().collect(),
-        incoming: crossings.iter().filter(arrives).copied().collect(),
-    }
+    Exchange::new(
+        crossings.iter().filter(leaves).copied().collect(),
+        crossings.iter().filter(arrives).copied().collect(),
+    )
 }
 
 impl Exchange {
+    /// Of these crossings.
+    fn new(outgoing: Vec<Crossing>, incoming: Vec<Crossing>) -> Self {
+        let sends = outgoing.iter().enumerate().map(|(number, crossing)| (crossing.ghost, number)).collect();
+        let receives = incoming.iter().map(|crossing| crossing.ghost).collect();
+        Exchange { outgoing, incoming, sends, receives }
+    }
+
     /// Sends `len` numbers along every outgoing crossing, and passes those of the incoming ones to `put`. A collective call.
     pub fn run(
         &self,
@@ -82,10 +93,7 @@ impl Exchange {
         pack: impl Fn(&Crossing, &mut Vec<f64>),
         mut put: impl FnMut(&Crossing, &[f64]),
     ) {
-        let outgoing: Vec<(usize, usize)> =
-            self.outgoing.iter().enumerate().map(|(item, crossing)| (crossing.ghost, item)).collect();
-        let from: Vec<usize> = self.incoming.iter().map(|crossing| crossing.ghost).collect();
         let pack = |_, item: usize, out: &mut Vec<f64>| pack(&self.outgoing[item], out);
-        share.exchange_across(&outgoing, &from, len, pack, |item, numbers| put(&self.incoming[item], numbers));
+        share.exchange_across(&self.sends, &self.receives, len, pack, |item, numbers| put(&self.incoming[item], numbers));
     }
 }

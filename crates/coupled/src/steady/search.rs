@@ -55,7 +55,7 @@ pub type Discretised<const D: usize, const M: usize> = (System<D, M>, Vec<f64>);
 /// The search for a steady flow.
 pub struct Search<'a, const D: usize, const M: usize> {
     /// Makes the problem of a discretisation.
-    pub discretise: &'a dyn Fn(Discretisation) -> Discretised<D, M>,
+    pub discretise: &'a (dyn Fn(Discretisation) -> Discretised<D, M> + Sync),
     /// N_s.
     pub order: usize,
     /// The mesh.

@@ -4,13 +4,10 @@ use super::cells::Cells;
 use super::file::{Element, File};
 use super::shape::Shape;
 use super::split::{Corners, CutEdges, Splitter};
-use super::{GmshError, Simplices};
+use super::{GmshError, Simplices, plane};
 use crate::topology::face_key;
 use crate::{Mesh, MeshError, PeriodicPair, Region, Side};
 use std::collections::{BTreeMap, BTreeSet};
-
-/// z of a plane mesh is constant up to this times its size.
-const PLANE: f64 = 1e-9;
 
 type Boundaries = Vec<(String, Vec<Side>)>;
 
@@ -20,12 +17,13 @@ pub(super) fn mesh<const D: usize>(
     simplices: Simplices,
 ) -> Result<Mesh<D>, GmshError> {
     let elements = elements::<D>(file)?;
+    // The surface of a body is no plane mesh: advice about its shapes and degrees would mislead.
+    if D == 2 {
+        plane::check(file, &elements)?;
+    }
     let degree = common_degree(&elements)?;
     if simplices == Simplices::Refuse {
         refuse_simplices::<D>(file, &elements)?;
-    }
-    if D == 2 {
-        check_plane(file, &elements)?;
     }
     let mut splitter = Splitter::new(file, CutEdges::new::<D>(file, &elements, periodic));
     let cells = Cells::read(&mut splitter, file, &elements, degree)?;
@@ -70,20 +68,6 @@ fn refuse_simplices<const D: usize>(file: &File, elements: &[&Element]) -> Resul
         _ => "triangles",
     };
     Err(GmshError::Simplices { kind, count, element: first.number, dimension: D })
-}
-
-fn check_plane(file: &File, elements: &[&Element]) -> Result<(), GmshError> {
-    let size = file.nodes.values().flatten().map(|x| x.abs()).fold(0.0, f64::max);
-    let mut first = None;
-    for element in elements {
-        for (&node, [_, _, z]) in element.nodes.iter().zip(file.positions::<3>(element)?) {
-            let first = *first.get_or_insert(z);
-            if (z - first).abs() > PLANE * size {
-                return Err(GmshError::NotPlane { node, z, first });
-            }
-        }
-    }
-    Ok(())
 }
 
 /// The faces of the cells that are listed as elements of a physical group, by the name of the group.
@@ -174,7 +158,11 @@ fn refused<const D: usize>(file: &File, elements: &[&Element], cells: &Cells<D>,
         MeshError::Unnamed { cell, .. } => {
             let groups = file.elements.iter().filter(|element| element.kind.dimension() == D - 1);
             let named = groups.flat_map(|element| &element.groups).next().is_some();
-            GmshError::Unnamed { element: element(cell).number, dimension: D, named, source: error }
+            let volumes = file.volumes;
+            GmshError::Unnamed { element: element(cell).number, dimension: D, named, volumes, source: error }
+        }
+        MeshError::TwoBoundaries { cell, .. } | MeshError::Inside { cell, .. } => {
+            GmshError::Listed { element: element(cell).number, dimension: D, source: error }
         }
         error => GmshError::Mesh(error),
     }

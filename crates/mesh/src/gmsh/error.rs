@@ -132,8 +132,11 @@ pub enum GmshError {
         /// The node.
         node: u64,
     },
-    /// A plane mesh is not plane.
-    #[error("node {node} lies at z = {z}, others at {first}: a mesh in two dimensions has constant z")]
+    /// The cells are surfaces that do not lie at constant z.
+    #[error(
+        "node {node} lies at z = {z}, others at {first}, while a mesh in two dimensions has constant z{}",
+        remedies::not_plane(*tilted)
+    )]
     NotPlane {
         /// The node.
         node: u64,
@@ -141,6 +144,8 @@ pub enum GmshError {
         z: f64,
         /// z of the first node of the first cell.
         first: f64,
+        /// Whether all nodes lie in one plane.
+        tilted: bool,
     },
     /// A named element of dimension D - 1 is not a face of a cell.
     #[error("element {element} of boundary \"{name}\" is not a face of any cell")]
@@ -169,7 +174,7 @@ pub enum GmshError {
         source: MeshError,
     },
     /// A side of a cell has no neighbour and is in no physical group.
-    #[error("element {element}: {source}: {}", remedies::unnamed(*dimension, *named))]
+    #[error("element {element}: {source}: {}", remedies::unnamed(*dimension, *named, *volumes))]
     Unnamed {
         /// The element.
         element: u64,
@@ -177,6 +182,18 @@ pub enum GmshError {
         dimension: usize,
         /// Whether the file names other boundaries.
         named: bool,
+        /// Whether the geometry of the file has volumes.
+        volumes: bool,
+        /// The error.
+        source: MeshError,
+    },
+    /// A face is listed in two boundaries, or lies inside of the mesh.
+    #[error("element {element}: {source}: {}", remedies::listed(*dimension, source))]
+    Listed {
+        /// The element of its cell.
+        element: u64,
+        /// The dimension of the mesh.
+        dimension: usize,
         /// The error.
         source: MeshError,
     },

@@ -13,6 +13,8 @@ pub(super) struct File {
     /// Positions by node number.
     pub(super) nodes: BTreeMap<u64, [f64; 3]>,
     pub(super) elements: Vec<Element>,
+    /// Whether the geometry has volumes, even without elements. Only files of version 4 tell.
+    pub(super) volumes: bool,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -80,7 +82,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<File, GmshError> {
     }
     match ["Nodes", "Elements"].into_iter().find(|section| !seen.contains(section)) {
         Some(section) => Err(GmshError::NoSection { section }),
-        None => Ok(file),
+        None => Ok(File { volumes: entities.keys().any(|&(dimension, _)| dimension == 3), ..file }),
     }
 }
 

@@ -67,6 +67,8 @@ pub(super) fn mesh<const D: usize>(
         nodes: "the nodes of the file",
         boundary: "boundary",
         name_it: "every face without a neighbour must belong to a boundary condition",
+        list_once: "leave it in one boundary condition",
+        take_out: "take it out of the boundary condition, or put the cells on its two sides into different regions",
     };
     convert::mesh(&file(lists)?, periodic, simplices).map_err(|error| words.tell(error))
 }
@@ -91,7 +93,7 @@ fn file(lists: MeshLists) -> Result<File, GmshError> {
     let of_dimension = |dimension| lists.names.iter().enumerate().map(move |(k, name)| ((dimension, k as i64), name));
     let names = (0..=3).flat_map(of_dimension).map(|(key, name)| (key, name.clone())).collect();
     let nodes = lists.nodes.into_iter().enumerate().map(|(k, position)| (k as u64, position)).collect();
-    Ok(File { names, nodes, elements })
+    Ok(File { names, nodes, elements, volumes: false })
 }
 
 /// For each node in the order of Gmsh, its index in the order of reference coordinates.

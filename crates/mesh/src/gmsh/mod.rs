@@ -20,6 +20,7 @@
 //! | `element`, `shape` | kinds of elements, their shapes and the order of their nodes |
 //! | `split` | pieces of triangles, tetrahedra and prisms |
 //! | `cells` | from elements to cells |
+//! | `plane` | whether surfaces are a mesh in the plane |
 //! | `convert` | from the file's lists to a [`Mesh`] |
 //! | `remedies` | the parts of messages that say what to do |
 
@@ -31,6 +32,7 @@ mod file;
 mod foreign;
 mod lists;
 mod places;
+mod plane;
 mod remedies;
 mod shape;
 mod source;

@@ -1,6 +1,7 @@
 //! Messages about elements and nodes that are known by their place in a file rather than by a number.
 
 use super::GmshError;
+use crate::MeshError;
 
 /// Elements or nodes that follow one another in a list, and their names in messages.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,6 +52,17 @@ pub(super) fn place(spans: &[Span], index: usize, otherwise: &str) -> String {
     }
 }
 
+/// The remedy for surfaces that do not lie at constant z, in one plane or not.
+fn not_plane(tilted: bool) -> &'static str {
+    match tilted {
+        true => "a mesh in two dimensions has constant z: rotate its plane into the x-y plane",
+        false => {
+            "the file has surfaces that do not lie in one plane, and no volumes: save the cells of the volumes too; a mesh in two \
+             dimensions has constant z"
+        }
+    }
+}
+
 /// The words of messages about a file that is not Gmsh's.
 pub(super) struct Words<'a> {
     /// The place of an element, from its number.
@@ -63,6 +75,10 @@ pub(super) struct Words<'a> {
     pub(super) boundary: &'static str,
     /// The remedy for a face without a name.
     pub(super) name_it: &'static str,
+    /// The remedy for a face in two boundaries.
+    pub(super) list_once: &'static str,
+    /// The remedy for a face of a boundary that lies inside of the mesh.
+    pub(super) take_out: &'static str,
 }
 
 impl Words<'_> {
@@ -80,8 +96,8 @@ impl Words<'_> {
             GmshError::NoNode { element, node } => {
                 ((self.element)(element), format!("{} is not among {}", (self.node)(node), self.nodes))
             }
-            GmshError::NotPlane { node, z, first } => {
-                let problem = format!("z = {z}, other nodes have {first}: a mesh in two dimensions has constant z");
+            GmshError::NotPlane { node, z, first, tilted } => {
+                let problem = format!("z = {z}, other nodes have {first}: {}", not_plane(tilted));
                 ((self.node)(node), problem)
             }
             GmshError::Stray { element, name } => {
@@ -91,6 +107,11 @@ impl Words<'_> {
             GmshError::Cell { element, source, .. } => ((self.element)(element), source.to_string()),
             GmshError::Unnamed { element, source, .. } => {
                 ((self.element)(element), format!("{source}: {}", self.name_it))
+            }
+            GmshError::Listed { element, source, .. } => {
+                let is_twice = matches!(source, MeshError::TwoBoundaries { .. });
+                let remedy = if is_twice { self.list_once } else { self.take_out };
+                ((self.element)(element), format!("{source}: {remedy}"))
             }
             other => return other,
         };

@@ -165,7 +165,7 @@ impl Reader {
         let kind = Kind { shape, degree: 1 };
         let node = format!("a node of {what}");
         let nodes = (0..kind.n_nodes()).map(|_| next(line, &mut words, &node)).collect::<Result<_, _>>()?;
-        end(line, words)?;
+        end(line, words).map_err(|error| more_nodes(error, kind.n_nodes()))?;
         self.file.elements.push(Element { number: line as u64, kind, groups: group.into_iter().collect(), nodes });
         Ok(())
     }
@@ -254,6 +254,16 @@ fn end(line: usize, mut words: SplitWhitespace) -> Result<(), GmshError> {
     words.next().map_or(Ok(()), |word| Err(unexpected(line, "the end of the line", word)))
 }
 
+/// The error of a line that goes on after `corners` nodes and an index, as that of a curved element.
+fn more_nodes(error: GmshError, corners: usize) -> GmshError {
+    let GmshError::Syntax { place, expected, found } = error else { return error };
+    let remedy = format!(
+        "elements of SU2 are straight, here with {corners} nodes and perhaps an index: save the mesh with \
+         `Mesh.ElementOrder = 1` in Gmsh, or as `.msh`, which may be curved"
+    );
+    GmshError::Syntax { place, expected, found: format!("{found}: {remedy}") }
+}
+
 fn unexpected(line: usize, expected: &str, found: &str) -> GmshError {
     let found = if found.is_empty() { "nothing" } else { found };
     let found = format!("`{}`", found.chars().take(60).collect::<String>());
@@ -268,6 +278,8 @@ pub(super) fn in_file(error: GmshError) -> GmshError {
         nodes: "those of NPOIN, which count from 0",
         boundary: "marker",
         name_it: "list the face below a MARKER_TAG",
+        list_once: "list the face below one MARKER_TAG, once",
+        take_out: "take the face out of the marker, because a marker lists faces on the outside of the mesh",
     };
     words.tell(error)
 }

@@ -6,6 +6,7 @@ mod damaged;
 mod drawing;
 mod foreign;
 mod lists;
+mod remedies;
 mod sample;
 mod split;
 mod su2;
@@ -131,7 +132,7 @@ fn meshes_that_are_none_are_refused() {
     let error = spoiled(SQUARE_2, "4 1 2 7 3 3 4", "4 1 2 7 3 2 4");
     assert_eq!(error, GmshError::Stray { element: 4, name: "wall of glass".to_owned() });
     let error = spoiled(SQUARE_2, "4 0 1 1\n9", "4 0 1 2\n9");
-    assert_eq!(error, GmshError::NotPlane { node: 4, z: 2.0, first: 1.0 });
+    assert_eq!(error, GmshError::NotPlane { node: 4, z: 2.0, first: 1.0, tilted: false });
     let error = spoiled(SQUARE_2, "5 1 2 8 4 4 1", "5 1 2 0 4 4 1");
     assert!(
         matches!(
@@ -201,7 +202,9 @@ fn physical_surfaces_become_regions_and_lines_between_them_interfaces() {
     assert_eq!(unnamed.part(&["plate"]).unwrap().mesh.boundary_names(), ["wall", "fluid"]);
     // Within one region a line with a name is no boundary.
     let error = spoiled(TWO_REGIONS, "9 3 2 2 2 2 3 6 5", "9 3 2 1 2 2 3 6 5");
-    assert!(matches!(error, GmshError::Mesh(MeshError::Inside { name, .. }) if name == "wet"));
+    assert!(
+        matches!(error, GmshError::Listed { element: 8, source: MeshError::Inside { name, .. }, .. } if name == "wet")
+    );
     // A cell without a physical surface.
     let rest = read(&TWO_REGIONS.replace("8 3 2 1 1 1 2 5 4", "8 3 2 0 1 1 2 5 4")).unwrap();
     assert_eq!(rest.part(&["plate"]).unwrap().mesh.boundary_names(), ["wall", "wet"]);

@@ -176,6 +176,17 @@ impl<const D: usize> ValidityCheck<D> {
     }
 }
 
+impl<const D: usize> Mesh<D> {
+    /// The cell with the smallest scaled Jacobian, and that value, see [`Bound::scaled_jacobian`]: 1 for a parallelepiped, 0 for a
+    /// degenerate cell.
+    pub fn smallest_scaled_jacobian(&self) -> (usize, f64) {
+        let check = ValidityCheck::<D>::new(self.order, &[0.0]);
+        let value = |cell| (cell, check.bound(self.cell_coordinates(cell)).scaled_jacobian());
+        let values: Vec<_> = (0..self.n_cells()).into_par_iter().map(value).collect();
+        values.into_iter().fold((0, f64::INFINITY), |least, next| if next.1 < least.1 { next } else { least })
+    }
+}
+
 /// Positions relative to the first one, since a common offset would cost digits, and their largest distance along an
 /// axis.
 fn centred<const D: usize>(positions: &[f64]) -> (Vec<f64>, f64) {

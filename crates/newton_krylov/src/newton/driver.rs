@@ -1,11 +1,11 @@
 //! A Newton solve, step by step.
 
 use super::tolerances::Tolerances;
-use super::{Convergence, Error, Report, Settings, ShortSteps, StepReport, Workspace};
+use super::{Convergence, Error, Report, Settings, ShortSteps, StepReport, Workspace, log};
 use crate::forcing::Previous;
 use crate::inner_product::{InnerProduct, axpy, copy, scaled_copy};
 use crate::operator::LinearSystem;
-use crate::problem::{Inadmissible, NonlinearProblem, in_words};
+use crate::problem::{Inadmissible, NonlinearProblem};
 use crate::pseudo_time::PseudoTime;
 use crate::{fgmres, line_search};
 use std::cell::RefCell;
@@ -238,29 +238,12 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
             inverse_pseudo_time: self.pseudo_time.inverse().to_vec(),
             rejections,
         };
-        self.log(&step);
+        log::accepted(self.report.steps.len() + 1, self.problem.fields(), &step);
         self.pseudo_time.accept(&step.field_norms, step.step_length);
         self.report.steps.push(step);
         self.note_progress(z);
         self.damp_after_short_steps();
         self.judge(z, attempt.search.decreased)
-    }
-
-    /// Writes an accepted step into the log.
-    fn log(&self, step: &StepReport) {
-        let words = |numbers: &[f64]| in_words(self.problem.fields(), numbers);
-        tracing::debug!(
-            step = self.report.steps.len() + 1,
-            residual = step.residual_norm,
-            residual_of_fields = words(&step.field_norms),
-            forcing = step.forcing,
-            linear_residual = step.linear_residual,
-            krylov = step.krylov_iterations,
-            step_length = step.step_length,
-            inverse_pseudo_time = words(&step.inverse_pseudo_time),
-            rejections = step.rejections,
-            "Newton step"
-        );
     }
 
     /// Starts damping if the last steps were all short: such increments are of little use, and ever shorter steps would follow.
@@ -278,12 +261,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         let worthwhile =
             !matches!(rejection, Rejection::Linearisation(_)) && rejections < self.settings.pseudo_time.max_rejections;
         if worthwhile && self.pseudo_time.reject(field_norms, &self.tolerances.fields) {
-            let damping = || in_words(self.problem.fields(), self.pseudo_time.inverse());
-            tracing::debug!(
-                step = self.report.steps.len() + 1,
-                inverse_pseudo_time = damping(),
-                "Newton step rejected"
-            );
+            log::rejected(self.report.steps.len() + 1, self.problem.fields(), self.pseudo_time.inverse());
             return Ok(());
         }
         let report = Box::new(self.report.clone());

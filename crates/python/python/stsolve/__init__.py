@@ -10,9 +10,10 @@
 
 import sys
 
+from ._analysis import boundary_layer, spectrum
 from ._stsolve import Case, CaseError, Result, Slab, SolveError, __version__, execute
 
-__all__ = ["Case", "CaseError", "Result", "Slab", "SolveError", "__version__", "main"]
+__all__ = ["Case", "CaseError", "Result", "Slab", "SolveError", "__version__", "boundary_layer", "main", "spectrum"]
 
 
 def main():

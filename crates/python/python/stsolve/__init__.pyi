@@ -34,6 +34,7 @@ class Case:
         existing: Literal["keep", "resume", "replace"] = "keep",
         on_slab: Optional[Callable[["Slab"], Any]] = None,
         progress: bool = False,
+        threads: Optional[int] = None,
     ) -> dict[str, Any]:
         """Runs the case; returns what summary.json says.
 
@@ -41,6 +42,7 @@ class Case:
         existing: what becomes of a run there. "keep" refuses to write, "resume" goes on from its checkpoint, "replace" replaces it.
         on_slab: called with every slab that is done. The run stops with a checkpoint if it returns False or raises an exception.
         progress: shows a line with the time that is left, on a terminal or in a notebook.
+        threads: the number of threads; default all cores. The results have the same bits for any number.
 
         Raises CaseError, or SolveError after the last good state is written. Ctrl-C stops the run with a checkpoint.
         """
@@ -129,6 +131,19 @@ class Result:
         """An array of the result at points of the reference cell [-1, 1]^D, in every cell: [cell][point][component]."""
     def determinants(self, step: int, points: ArrayLike, name: str = "position") -> NDArray[np.float64]:
         """det J at points of the reference cell, in every cell: [cell][point]."""
+
+def boundary_layer(
+    result: Result, wall: str, thickness: float, number: int = -1
+) -> dict[str, NDArray[np.float64]]:
+    """Integral quantities of the boundary layer at the points of result.surface(wall, number), up to a distance from the wall.
+
+    The keys are displacement_thickness, momentum_thickness, energy_thickness, shape_factor, thickness and edge_velocity.
+    """
+
+def spectrum(
+    times: ArrayLike, values: ArrayLike, segments: int = 1
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Frequencies and the power spectral density of a signal by Welch's method; its integral is the variance."""
 
 def main() -> None:
     """The command stsolve; ends the process with its exit code."""

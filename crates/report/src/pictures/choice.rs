@@ -2,6 +2,7 @@
 
 use super::cuts;
 use super::error::PictureError;
+use super::medium::PictureMedium;
 use super::plane::Plane;
 use super::quantity::PictureQuantity;
 use super::view::View;
@@ -11,26 +12,46 @@ use output::ResultReader;
 /// Pixels of a window that is given by a box or a plane.
 const PIXELS: f64 = 420e3;
 
-/// The quantity of a name.
+/// A field to draw.
+pub struct PictureField {
+    /// The quantity.
+    pub quantity: PictureQuantity,
+    /// What it is made with.
+    pub medium: PictureMedium,
+    /// The label of its colours; `None` for that of the quantity.
+    pub label: Option<String>,
+}
+
+/// The field of a name: a quantity, or else a formula of the case.
 ///
 /// # Errors
 /// A name that is not known.
-pub fn quantity(reader: &ResultReader, name: &str) -> Result<PictureQuantity, PictureError> {
+pub fn field(reader: &ResultReader, name: &str) -> Result<PictureField, PictureError> {
     let arrays: Vec<&str> = reader.layout.exact.iter().map(|array| &array.name[..]).collect();
     let known = PictureQuantity::of_movies(arrays.contains(&"flow"), &arrays);
-    let accepted = || known.iter().map(|quantity| quantity.name()).collect();
-    let found = known.iter().find(|quantity| quantity.name() == name).copied();
-    found.ok_or_else(|| PictureError::NoField { name: name.to_owned(), accepted: accepted() })
+    if let Some(quantity) = known.iter().find(|quantity| quantity.name() == name).copied() {
+        let medium = if quantity.needs_case() { PictureMedium::full(reader) } else { PictureMedium::simple(reader) };
+        return Ok(PictureField { quantity, medium: medium?, label: None });
+    }
+    let medium = PictureMedium::full(reader)?;
+    if let Some(number) = medium.formulas.iter().position(|formula| formula.name == name) {
+        return Ok(PictureField { quantity: PictureQuantity::Formula(number), medium, label: Some(name.to_owned()) });
+    }
+    let formulas = medium.formulas.iter().map(|formula| &formula.name[..]);
+    let accepted = known.iter().map(|quantity| quantity.name()).chain(formulas).map(str::to_owned).collect();
+    Err(PictureError::NoField { name: name.to_owned(), accepted })
 }
 
-/// The window of a name, of a box `x0,y0,x1,y1`, or in three dimensions of a plane such as `x=0.5`. Without a name the first one.
+/// The window of a name, of a box `x0,y0,x1,y1`, or in three dimensions of a plane such as `x=0.5` or `cut x`, the middle position of the
+/// page. Without a name the first one.
 ///
 /// # Errors
 /// An unknown name.
 pub fn window<const D: usize>(view: &View<D>, name: Option<&str>) -> Result<Window, PictureError> {
     let Some(name) = name else { return named(&view.windows, None, D) };
     let plane = || {
-        let (near, plane) = (view.near?, plane(name)?);
+        let near = view.near?;
+        let plane = plane(name).or_else(|| cuts::middle(near, name.strip_prefix("cut ")?))?;
         Some(Window { label: name.to_owned(), ..cuts::window(near, plane, PIXELS) })
     };
     let within = || Some(Window { plane: view.plane, ..Window::new(name, extent(name)?, PIXELS) });
@@ -41,7 +62,8 @@ pub fn window<const D: usize>(view: &View<D>, name: Option<&str>) -> Result<Wind
 fn named(windows: &[Window], name: Option<&str>, dimension: usize) -> Result<Window, PictureError> {
     let found = windows.iter().find(|window| name.is_none_or(|name| window.label == name)).cloned();
     let accepted = || {
-        let others = ["a box such as \"-1,-1,3,1\"", "a plane such as \"z=0.5\""].into_iter().take(dimension - 1);
+        let planes = ["cut x", "cut y", "cut z", "a plane such as \"z=0.5\""].into_iter().filter(|_| dimension == 3);
+        let others = ["a box such as \"-1,-1,3,1\""].into_iter().chain(planes);
         windows.iter().map(|window| &window.label[..]).chain(others).map(str::to_owned).collect()
     };
     found.ok_or_else(|| PictureError::NoWindow { name: name.unwrap_or_default().to_owned(), accepted: accepted() })

@@ -19,6 +19,9 @@ pub struct Cut {
     pub views: Vec<Encoded>,
 }
 
+/// The names of the axes.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
 /// Positions along an axis.
 const POSITIONS: usize = 7;
 
@@ -53,11 +56,16 @@ pub fn cuts<const D: usize, const M: usize>(
     (0..D).map(cut).collect()
 }
 
+/// The plane across the axis `name` in the middle of a box, at the position where the page begins.
+pub fn middle(near: Cuboid, name: &str) -> Option<Plane> {
+    let axis = AXES.iter().position(|axis| *axis == name)?;
+    Some(Plane { axis, at: positions(near, axis)[POSITIONS / 2] })
+}
+
 /// The window on the part of a plane within a box.
 pub fn window(near: Cuboid, plane: Plane, pixels: f64) -> Window {
-    let name = ["x", "y", "z"];
     let corners = [near.lower, near.upper].map(|corner| plane.project(&corner));
-    let [axis, right, up] = [plane.axis, plane.axes()[0], plane.axes()[1]].map(|axis| name[axis]);
+    let [axis, right, up] = [plane.axis, plane.axes()[0], plane.axes()[1]].map(|axis| AXES[axis]);
     let note = format!(
         "Shown is a cut at the last time, across the axis {axis}; {right} points to the right and {up} upward."
     );
@@ -94,5 +102,7 @@ mod tests {
         let positions = positions(near, 1);
         assert!(positions.len() == POSITIONS && positions.is_sorted() && positions[0] > -1.0 && positions[6] < 1.0);
         assert!(positions[3] > 0.0 && positions[3] < 1e-3, "{positions:?}");
+        assert_eq!(middle(near, "y"), Some(Plane { axis: 1, at: positions[3] }));
+        assert_eq!(middle(near, "w"), None);
     }
 }

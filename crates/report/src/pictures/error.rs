@@ -12,6 +12,9 @@ pub enum PictureError {
     /// The case in the file has no ratio of specific heats.
     #[error("the case in the result file has no usable `flow.gas.gamma`")]
     Gas,
+    /// The case in the file cannot be checked again.
+    #[error("this field needs the case in the result file, which cannot be read: {0}")]
+    Case(String),
     /// The file cannot be read.
     #[error(transparent)]
     Output(#[from] output::OutputError),
@@ -21,7 +24,7 @@ pub enum PictureError {
         /// The name.
         name: String,
         /// The names of all fields with pictures.
-        accepted: Vec<&'static str>,
+        accepted: Vec<String>,
     },
     /// A window that the pictures do not have.
     #[error("there is no window `{name}`; accepted: {}", accepted.join(", "))]

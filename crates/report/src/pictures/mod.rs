@@ -12,6 +12,7 @@ mod error;
 mod indexed;
 mod lettering;
 mod lines;
+mod medium;
 mod movie;
 mod near_walls;
 mod patch;
@@ -37,7 +38,7 @@ pub use shot::Scenario;
 pub use window::Window;
 
 use budget::{chosen, fitting};
-use navier_stokes::{Gas, Viscosity};
+use medium::PictureMedium;
 use output::ResultReader;
 use rayon::prelude::*;
 use scheme::Scheme;
@@ -118,7 +119,7 @@ fn draw_in<const D: usize, const M: usize>(
     reader: &ResultReader,
     q_level: Option<f64>,
 ) -> Result<Pictures, PictureError> {
-    let scheme = Scheme::<D>::new(reader, gas(reader)?).ok_or(PictureError::NoMesh)?;
+    let scheme = Scheme::<D>::new(reader, PictureMedium::simple(reader)?).ok_or(PictureError::NoMesh)?;
     let steps = chosen(reader.times.len(), MOST_STEPS);
     let snapshots = steps.iter().map(|&step| scheme.at(reader, step)).collect::<Result<Vec<_>, _>>()?;
     let view = View::<D>::new::<M>(reader, &snapshots, q_level);
@@ -145,10 +146,4 @@ fn ranges<const D: usize, const M: usize>(
     let previews: Vec<_> = snapshots.par_iter().map(|snapshot| view.raster::<M>(snapshot, &window)).collect();
     let values = |q: usize| previews.iter().flat_map(|preview| preview.of(q)).collect();
     quantities.iter().enumerate().map(|(q, quantity)| (*quantity, quantity.range(values(q)))).collect()
-}
-
-/// The gas of the case in the file. The pictures need only gamma; without a flow any gas will do.
-fn gas(reader: &ResultReader) -> Result<Gas, PictureError> {
-    let gamma = case::ratio_of_specific_heats_of(&reader.metadata.case_text).map_err(|_| PictureError::Gas)?;
-    Gas::new(gamma.unwrap_or(1.4), 1.0, 1.0, Viscosity::Inviscid).map_err(|_| PictureError::Gas)
 }

@@ -1,13 +1,14 @@
 //! Movies and pictures: one field in one window, at all steps as an animated PNG that plays in a loop, or at the last step.
 
 use super::canvas::Canvas;
+use super::choice::{self, PictureField};
 use super::error::PictureError;
 use super::indexed::IndexedColours;
 use super::quantity::Range;
 use super::scheme::Scheme;
 use super::shot::{Scenario, Shot};
 use super::view::View;
-use super::{MOST_STEPS, choice, chosen, gas, ranges};
+use super::{MOST_STEPS, chosen, ranges};
 use output::ResultReader;
 use rayon::prelude::*;
 
@@ -67,8 +68,8 @@ struct Studio<'r, const D: usize> {
 
 impl<'r, const D: usize> Studio<'r, D> {
     fn new<const M: usize>(reader: &'r ResultReader, scenario: &Scenario) -> Result<Self, PictureError> {
-        let quantity = choice::quantity(reader, scenario.field)?;
-        let scheme = Scheme::<D>::new(reader, gas(reader)?).ok_or(PictureError::NoMesh)?.showing(vec![quantity]);
+        let PictureField { quantity, medium, label } = choice::field(reader, scenario.field)?;
+        let scheme = Scheme::<D>::new(reader, medium).ok_or(PictureError::NoMesh)?.showing(vec![quantity]);
         let steps = chosen(reader.times.len(), MOST_STEPS);
         let snapshots = steps.iter().map(|&step| scheme.at(reader, step)).collect::<Result<Vec<_>, _>>()?;
         let view = View::<D>::new::<M>(reader, &snapshots, scenario.q_level);
@@ -82,7 +83,7 @@ impl<'r, const D: usize> Studio<'r, D> {
         let shot = Shot {
             title: reader.metadata.case_name.clone(),
             quantity: (quantity, range),
-            label: quantity.label(D),
+            label: label.unwrap_or_else(|| quantity.label(D).to_owned()),
             window,
             without_edges: scenario.without_edges,
         };

@@ -7,7 +7,6 @@ use super::snapshot::Snapshot;
 use crate::fields::{self, CellSample, Medium};
 use case::Field;
 use fem::Sampler;
-use navier_stokes::Gas;
 
 /// The value of all quantities in a structure beside the flow, which has a colour of its own.
 pub const OF_STRUCTURE: f64 = f64::INFINITY;
@@ -47,7 +46,12 @@ impl<const D: usize> Snapshot<'_, D> {
                     CellSample { state, jacobian: &jacobian, gradients, ..CellSample::of_points(sampler.points()) };
                 let column = |quantity: &PictureQuantity| match quantity {
                     PictureQuantity::Average(average) => self.average(*average, cell, sampler),
-                    _ => of_flow::<D, M>(*quantity, &scheme.gas, &sample),
+                    PictureQuantity::Formula(number) => {
+                        let (formula, medium) = (&scheme.medium.formulas[*number..=*number], &scheme.medium.medium);
+                        let x = sampler.positions(nodal);
+                        fields::of_formulas::<D, M>(formula, Some(medium), &sample, &x, self.time).concat()
+                    }
+                    _ => of_flow::<D, M>(*quantity, &scheme.medium.medium, &sample),
                 };
                 quantities.iter().map(column).collect()
             }
@@ -81,15 +85,25 @@ fn ratio(j: &[f64], j0: &[f64]) -> Vec<f64> {
 }
 
 /// A quantity of the flow or the mesh at the points of a sample.
-pub fn of_flow<const D: usize, const M: usize>(quantity: PictureQuantity, gas: &Gas, sample: &CellSample) -> Vec<f64> {
+pub fn of_flow<const D: usize, const M: usize>(
+    quantity: PictureQuantity,
+    medium: &Medium,
+    sample: &CellSample,
+) -> Vec<f64> {
     let PictureQuantity::Flow(field) = quantity else { return of_mesh(quantity, sample.jacobian) };
     let mut values = Vec::new();
-    fields::values::<D, M>(field, Some(&Medium::gas(*gas)), sample, &mut values);
+    fields::values::<D, M>(field, Some(medium), sample, &mut values);
     match (field, D) {
         // The third component of the vector.
         (Field::Vorticity, 3) => values.into_iter().skip(2).step_by(3).collect(),
+        (Field::Velocity, _) => values.chunks_exact(3).map(magnitude).collect(),
         _ => values,
     }
+}
+
+/// The magnitude of a vector.
+fn magnitude(vector: &[f64]) -> f64 {
+    vector.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
 fn of_mesh(quantity: PictureQuantity, jacobian: &[f64]) -> Vec<f64> {

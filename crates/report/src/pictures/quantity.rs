@@ -17,6 +17,8 @@ pub enum PictureQuantity {
     Displacement,
     /// An average over time.
     Average(Average),
+    /// A field by the formula of this number in the case.
+    Formula(usize),
 }
 
 /// The quantities displayed with a flow; without a flow those of the mesh, and the displacement.
@@ -55,13 +57,33 @@ impl PictureQuantity {
 
     /// The quantities of movies: those of the page, and fields that take too much of its room.
     pub fn of_movies(has_flow: bool, arrays: &[&str]) -> Vec<PictureQuantity> {
-        let more = [Field::QCriterion, Field::Entropy, Field::TotalPressure].map(PictureQuantity::Flow);
+        let more = [
+            Field::QCriterion,
+            Field::Entropy,
+            Field::TotalPressure,
+            Field::TotalTemperature,
+            Field::PressureCoefficient,
+            Field::Temperature,
+            Field::Velocity,
+        ];
+        let more = more.map(PictureQuantity::Flow);
         PictureQuantity::of(has_flow, arrays).into_iter().chain(more.into_iter().filter(|_| has_flow)).collect()
     }
 
-    /// Its name on the command line: that of the field in a case or of the average in the result file.
+    /// Whether it depends on more of the gas than the ratio of specific heats, or on a formula of the case.
+    pub fn needs_case(self) -> bool {
+        matches!(
+            self,
+            PictureQuantity::Formula(_)
+                | PictureQuantity::Flow(Field::TotalTemperature | Field::PressureCoefficient | Field::Temperature)
+        )
+    }
+
+    /// Its name on the command line: that of the field in a case or of the average in the result file. The case has the names of formulas.
     pub fn name(self) -> &'static str {
         match self {
+            PictureQuantity::Flow(Field::Velocity) => "velocity",
+            PictureQuantity::Formula(_) => "formula",
             PictureQuantity::Flow(field) => field.components(2)[0],
             PictureQuantity::Jacobian => "jacobian",
             PictureQuantity::ScaledJacobian => "scaled_jacobian",
@@ -83,7 +105,7 @@ impl PictureQuantity {
             PictureQuantity::Flow(Field::TotalTemperature) => "Total temperature",
             PictureQuantity::Flow(Field::Entropy) => "Entropy",
             PictureQuantity::Flow(Field::QCriterion) => "Q criterion",
-            PictureQuantity::Flow(Field::Velocity) => "Velocity",
+            PictureQuantity::Flow(Field::Velocity) => "Velocity, magnitude",
             PictureQuantity::Flow(Field::Temperature) => "Temperature",
             PictureQuantity::Flow(Field::MeshVelocity) => "Mesh velocity",
             PictureQuantity::Flow(Field::Displacement) => "Displacement",
@@ -93,6 +115,7 @@ impl PictureQuantity {
             PictureQuantity::ScaledJacobian => "Mesh: scaled Jacobian",
             PictureQuantity::Displacement => "Displacement, magnitude",
             PictureQuantity::Average(average) => average.label,
+            PictureQuantity::Formula(_) => "Formula",
         }
     }
 
@@ -175,7 +198,12 @@ mod tests {
         let mut names: Vec<&str> =
             PictureQuantity::of_movies(true, &arrays).into_iter().map(PictureQuantity::name).collect();
         let count = names.len();
-        assert!(names.contains(&"mach") && names.contains(&"q_criterion") && names.contains(&"mean_velocity"));
+        assert!(
+            names.contains(&"mach")
+                && names.contains(&"velocity")
+                && names.contains(&"q_criterion")
+                && names.contains(&"mean_velocity")
+        );
         names.sort_unstable();
         names.dedup();
         assert_eq!(names.len(), count, "{names:?}");

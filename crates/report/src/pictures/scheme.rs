@@ -1,10 +1,10 @@
 //! The data that all steps of the pictures of a run share.
 
 use super::average::Average;
+use super::medium::PictureMedium;
 use super::quantity::PictureQuantity;
 use super::snapshot::Snapshot;
 use fem::Sampler;
-use navier_stokes::Gas;
 use output::{OutputError, ResultReader};
 
 /// Numbers of parts into which the reference cell may be cut along each axis.
@@ -15,7 +15,7 @@ pub struct Scheme<const D: usize> {
     pub(super) mesh_nodes: usize,
     /// Nodes per cell of the flow, and coefficients of a cell in a slab; absent without a flow.
     pub(super) flow: Option<(usize, usize)>,
-    pub(super) gas: Gas,
+    pub(super) medium: PictureMedium,
     /// Positions at rest, as in [`output::RestMesh`].
     pub(super) rest: Vec<f64>,
     /// One for each of [`PARTS`].
@@ -28,7 +28,7 @@ pub struct Scheme<const D: usize> {
 
 impl<const D: usize> Scheme<D> {
     /// The scheme of a result file; `None` if the file does not hold the mesh at rest.
-    pub fn new(reader: &ResultReader, gas: Gas) -> Option<Self> {
+    pub fn new(reader: &ResultReader, medium: PictureMedium) -> Option<Self> {
         let axes = |name: &str| reader.layout.exact.iter().find(|array| array.name == name).map(|array| &array.axes);
         let last = |name: &str| axes(name).and_then(|axes| axes.last()).map(|axis| axis.length);
         let mesh_nodes = last("position")?;
@@ -44,7 +44,7 @@ impl<const D: usize> Scheme<D> {
         let complete = rest.len() == cells * mesh_nodes * D;
         let arrays: Vec<&str> = reader.layout.exact.iter().map(|array| &array.name[..]).collect();
         let quantities = PictureQuantity::of(flow.is_some(), &arrays);
-        complete.then_some(Scheme { mesh_nodes, flow, gas, rest, samplers, at_nodes, quantities })
+        complete.then_some(Scheme { mesh_nodes, flow, medium, rest, samplers, at_nodes, quantities })
     }
 
     /// The solution at a step.
@@ -63,7 +63,8 @@ impl<const D: usize> Scheme<D> {
             let found = average.arrays.iter().filter_map(|name| reader.exact(name, step).transpose());
             Ok((average, found.collect::<Result<_, _>>()?))
         };
-        Ok(Snapshot { scheme: self, position, flow, averages: averages.map(arrays).collect::<Result<_, _>>()? })
+        let averages = averages.map(arrays).collect::<Result<_, _>>()?;
+        Ok(Snapshot { scheme: self, time: reader.times[step], position, flow, averages })
     }
 
     /// The displayed quantities.

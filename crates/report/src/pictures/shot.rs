@@ -36,7 +36,7 @@ pub struct Shot {
     /// The field and the range of its colours.
     pub quantity: (PictureQuantity, Range),
     /// The name of the field.
-    pub label: &'static str,
+    pub label: String,
     /// The window.
     pub window: Window,
     /// Whether the edges of the cells are left out.
@@ -141,7 +141,7 @@ impl Shot {
             let x = at - 0.5 * lettering::width(&text, size);
             (text, [x, y])
         };
-        let mut texts = vec![centred(self.label.to_owned(), 0.5 * width as f64, below + 1.8 * size)];
+        let mut texts = vec![centred(self.label.clone(), 0.5 * width as f64, below + 1.8 * size)];
         for (value, text) in numbers_with_room(range, bar as f64, size) {
             (0..rows / 3).for_each(|row| canvas.set(place(value) as usize, top + rows + row, INK));
             texts.push(centred(text, place(value), top as f64 + 2.7 * size));
@@ -171,7 +171,7 @@ mod tests {
         Shot {
             title: title.to_owned(),
             quantity: (PictureQuantity::Flow(Field::Mach), Range { lower: 0.0, upper: 0.4 }),
-            label: "Mach number",
+            label: "Mach number".to_owned(),
             window: Window::new("", Extent { lower: [0.0; 2], upper: [1.0; 2] }, 300.0 * 300.0),
             without_edges,
         }

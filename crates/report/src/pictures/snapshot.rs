@@ -15,6 +15,7 @@ const PIXELS_PER_PART: f64 = 4.0;
 /// The coefficients at one time. Cells of a structure beside the flow come after those of the flow.
 pub struct Snapshot<'a, const D: usize> {
     pub(super) scheme: &'a Scheme<D>,
+    pub(super) time: f64,
     /// `[cell][component][node]`
     pub(super) position: Vec<f64>,
     /// `[cell][time node][component][node]`; empty without a flow.
@@ -53,7 +54,7 @@ impl<const D: usize> Snapshot<'_, D> {
 
     /// The largest sum of velocity and speed of sound at a node of the flow.
     pub fn fastest_wave<const M: usize>(&self) -> f64 {
-        let gas = &self.scheme.gas;
+        let gas = &self.scheme.medium.medium.gas;
         let speed = |u: &[f64; M]| {
             let at = Primitive::<f64, D>::unpack(gas, u);
             tensor::norm(&at.velocity) + gas.sound_speed(at.density, at.pressure)
@@ -103,7 +104,7 @@ impl<const D: usize> Snapshot<'_, D> {
         let gradients = sampler.gradients(u, scheme.nodes(&self.position, cell));
         let state = &sampler.state(u)[..];
         let sample = CellSample { state, gradients: &gradients, ..CellSample::of_points(sampler.points()) };
-        Some(of_flow::<D, M>(PictureQuantity::Flow(Field::QCriterion), &scheme.gas, &sample))
+        Some(of_flow::<D, M>(PictureQuantity::Flow(Field::QCriterion), &scheme.medium.medium, &sample))
     }
 
     /// Numbers at the nodes of the flow as a polynomial at the points of a cell.

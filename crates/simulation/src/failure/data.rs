@@ -190,8 +190,22 @@ pub struct Gas {
     pub is_split: bool,
     /// The speed with which a boundary is set in motion at the start, over the speed of sound.
     pub kick: f64,
+    /// How the flow starts.
+    pub start: FlowStart,
     /// Flow at inflows and outflows for which their conditions are not suited.
     pub openings: Vec<OpeningMisuse>,
+}
+
+/// How a flow starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FlowStart {
+    /// From the steady flow, which the case asks for.
+    SteadyFlow,
+    /// From a uniform stream, which the walls stop at once.
+    UniformStream,
+    /// From any other state.
+    OtherState,
 }
 
 /// An observation at an inflow or outflow.
@@ -232,7 +246,7 @@ pub struct Extreme {
 pub struct Mismatch {
     /// The boundary.
     pub boundary: String,
-    /// The quantity that differs most.
+    /// The quantity that differs most, of those that the condition prescribes.
     pub quantity: &'static str,
     /// Its value in the gas ...
     pub inside: f64,

@@ -1,7 +1,7 @@
 //! The examination of a failed run of mesh and flow.
 
 use super::super::openings::Record;
-use super::data::{Attempt, FailureData, Gas, GaveUp, Newton, OpeningMisuse, Settling};
+use super::data::{Attempt, FailureData, FlowStart, Gas, GaveUp, Newton, OpeningMisuse, Settling};
 use super::finding::{Finding, WorstCell, WorstCellCause};
 use super::gas::{CellGas, Measured, Then, measure};
 use super::grid::Grid;
@@ -187,6 +187,15 @@ where
             is_split: law.volume_flux != navier_stokes::VolumeFlux::Central,
             openings: self.openings.iter().map(|record| self.opening(record)).collect(),
             kick: if self.case.motion.is_some() { gases.start.kick } else { 0.0 },
+            start: self.flow_start(),
+        }
+    }
+
+    fn flow_start(&self) -> FlowStart {
+        match &self.flow.initial {
+            _ if self.case.solver.steady.is_some() => FlowStart::SteadyFlow,
+            State::Uniform(_) => FlowStart::UniformStream,
+            _ => FlowStart::OtherState,
         }
     }
 

@@ -1,9 +1,8 @@
 //! The results: rows of text, JSON for programs.
 
-use super::messages::MessageCount;
 use super::roofs::Machine;
-use super::subject::{Size, Work};
 use serde::Serialize;
+use simulation::bench::{MessageCount, Size, Work};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -92,28 +91,25 @@ impl fmt::Display for Measurement {
 }
 
 /// All measurements.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 pub(super) struct Report {
-    pub(super) machine: Machine,
+    /// None if nothing is timed.
+    pub(super) machine: Option<Machine>,
     pub(super) rows: Vec<Measurement>,
     pub(super) messages: Vec<MessageCount>,
 }
 
+/// The machine, and the names of the columns. All columns except the last are for one core.
+pub(super) fn heading(machine: &Machine) -> String {
+    let Machine { threads, lanes, gflops_one, gflops_all, gbytes_one, gbytes_all } = machine;
+    format!(
+        "peak       {gflops_one:6.1} GFLOP/s on one core, {gflops_all:6.1} on {threads} (fused multiply-adds, {lanes} lanes)\n\
+         bandwidth  {gbytes_one:6.1} GB/s on one core,    {gbytes_all:6.1} on {threads} (y := x + a y)\n\
+         D   N  kernel                      unknowns         ms  million/s  GFLOP/s     GB/s    limit   growth  all/one"
+    )
+}
+
 impl Report {
-    pub(super) fn new(machine: Machine) -> Self {
-        Report { machine, rows: Vec::new(), messages: Vec::new() }
-    }
-
-    /// The machine, and the names of the columns. All columns except the last are for one core.
-    pub(super) fn heading(&self) -> String {
-        let Machine { threads, lanes, gflops_one, gflops_all, gbytes_one, gbytes_all } = self.machine;
-        format!(
-            "peak       {gflops_one:6.1} GFLOP/s on one core, {gflops_all:6.1} on {threads} (fused multiply-adds, {lanes} lanes)\n\
-             bandwidth  {gbytes_one:6.1} GB/s on one core,    {gbytes_all:6.1} on {threads} (y := x + a y)\n\
-             D   N  kernel                      unknowns         ms  million/s  GFLOP/s     GB/s    limit   growth  all/one"
-        )
-    }
-
     pub(super) fn json(&self) -> String {
         serde_json::to_string(self).unwrap_or_default()
     }

@@ -2,77 +2,58 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | `group` | what can be measured |
 //! | `roofs` | the peak of the machine: fused multiply-adds per second, bytes per second |
-//! | `subject` | the measured kernels, and their amount of work |
-//! | `messages` | what ranks send each other, beside a model |
-//! | `elastic`, `elastic_solvers`, `flow`, `preconditioner`, `vectors` | the subjects |
 //! | `stopwatch` | the best of many short bursts |
 //! | `measurement` | the results: rows of text, JSON for programs |
+//!
+//! The kernels stand in [`simulation::bench`].
 
-mod elastic;
-mod elastic_solvers;
-mod flow;
+mod group;
 mod measurement;
-mod messages;
-mod preconditioner;
 mod roofs;
 mod stopwatch;
-mod subject;
-mod vectors;
 
 use crate::cli::BenchArguments;
 use crate::commands::print;
 use crate::terminal::Terminal;
-use elastic::Elastic;
-use elastic_solvers::ElasticSolvers;
-use flow::Flow;
-use measurement::{Growth, Measurement, Report};
-use messages::MessageCount;
-use preconditioner::{ByLines, Preconditioned};
+pub use group::Group;
+use measurement::{Growth, Measurement, Report, heading};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use roofs::Machine;
 use simulation::Failure;
-pub use subject::Group;
-use subject::{Build, Size};
-use vectors::Vectors;
+use simulation::bench::{Builder, Kernels, MessageCount, Size, builders, count_messages};
 
 /// Measures, and prints each row as soon as it is known, or one JSON object at the end.
 ///
 /// # Errors
 /// Threads that the system refuses, a subject that cannot be set up, a stdout that cannot be written.
 pub fn bench(arguments: &BenchArguments) -> Result<(), Failure> {
-    let pools = [pool(1)?, pool(0)?];
-    let machine = Machine::measure(&pools, arguments.seconds);
-    let mut report = Report::new(machine);
-    let (counted, timed): (Vec<Group>, Vec<Group>) = arguments.groups().iter().partition(|group| group.is_counted());
+    let mut report = Report::default();
+    let timed: Vec<Kernels> = arguments.groups().iter().filter_map(|group| group.timed()).collect();
     if !timed.is_empty() {
-        time(&timed, &mut report, &pools, arguments)?;
+        time(&timed, &mut report, arguments)?;
     }
-    if !counted.is_empty() {
-        count_messages(&mut report, arguments)?;
+    if arguments.groups().contains(&Group::Messages) {
+        count(&mut report, arguments)?;
     }
     if arguments.json { print(&report.json()) } else { Ok(()) }
 }
 
-/// The kernels that are measured in seconds.
-fn time(
-    groups: &[Group],
-    report: &mut Report,
-    pools: &[ThreadPool; 2],
-    arguments: &BenchArguments,
-) -> Result<(), Failure> {
-    if !arguments.json {
-        print(&report.heading())?;
-    }
+/// Measures kernels in seconds.
+fn time(timed: &[Kernels], report: &mut Report, arguments: &BenchArguments) -> Result<(), Failure> {
+    let pools = [pool(1)?, pool(0)?];
+    let machine = Machine::measure(&pools, arguments.seconds);
+    report.machine = Some(machine);
+    print_row(&heading(&machine), arguments)?;
     for dimension in arguments.dimensions() {
-        for &group in groups {
+        for &kernels in timed {
             let mut growth = Growth::default();
             for order in arguments.orders() {
-                for measurement in measure(group, size(arguments, dimension, order), pools, arguments)? {
-                    report.rows.push(growth.of(measurement).against(&report.machine));
-                    if let (false, Some(row)) = (arguments.json, report.rows.last()) {
-                        print(&row.to_string())?;
-                    }
+                for measurement in measure(kernels, size(arguments, dimension, order), &pools, arguments)? {
+                    let row = growth.of(measurement).against(&machine);
+                    print_row(&row.to_string(), arguments)?;
+                    report.rows.push(row);
                 }
             }
         }
@@ -80,24 +61,23 @@ fn time(
     Ok(())
 }
 
-/// The messages of ranks.
-fn count_messages(report: &mut Report, arguments: &BenchArguments) -> Result<(), Failure> {
-    if !arguments.json {
-        print(MessageCount::HEADING)?;
-    }
+/// Counts the messages of ranks.
+fn count(report: &mut Report, arguments: &BenchArguments) -> Result<(), Failure> {
+    print_row(MessageCount::HEADING, arguments)?;
     for dimension in arguments.dimensions() {
         for order in arguments.orders() {
-            let size = size(arguments, dimension, order);
-            let rows = if dimension == 2 { messages::count::<2, 4>(size) } else { messages::count::<3, 5>(size) };
-            for row in rows.map_err(Failure::solve)? {
-                if !arguments.json {
-                    print(&row.to_string())?;
-                }
+            for row in count_messages(size(arguments, dimension, order)).map_err(Failure::solve)? {
+                print_row(&row.to_string(), arguments)?;
                 report.messages.push(row);
             }
         }
     }
     Ok(())
+}
+
+/// Prints a row of text, unless the user wants JSON.
+fn print_row(row: &str, arguments: &BenchArguments) -> Result<(), Failure> {
+    if arguments.json { Ok(()) } else { print(row) }
 }
 
 fn size(arguments: &BenchArguments, dimension: usize, order: usize) -> Size {
@@ -111,50 +91,34 @@ fn pool(threads: usize) -> Result<ThreadPool, Failure> {
     ThreadPoolBuilder::new().num_threads(threads).build().map_err(Failure::bad_input)
 }
 
-/// The rows of one group at one order; none if the subject would not fit into memory.
+/// The rows of one group at one order, without subjects that would not fit into memory.
 fn measure(
-    group: Group,
+    kernels: Kernels,
     size: Size,
     pools: &[ThreadPool; 2],
     arguments: &BenchArguments,
 ) -> Result<Vec<Measurement>, Failure> {
     let terminal = Terminal::default();
     if terminal.is_interactive() {
-        terminal.print(&format!("measuring {} in {}-D, N = {}", group.name(), size.dimension, size.order));
+        terminal.print(&format!("measuring {} in {}-D, N = {}", kernels.name(), size.dimension, size.order));
     }
-    match (group, size.dimension) {
-        (Group::Elasticity, 2) => of::<Elastic<2>>(size, pools, arguments),
-        (Group::Elasticity, _) => of::<Elastic<3>>(size, pools, arguments),
-        (Group::Flow, 2) => of::<Flow<2, 4>>(size, pools, arguments),
-        (Group::Flow, _) => of::<Flow<3, 5>>(size, pools, arguments),
-        (Group::Preconditioner, 2) => {
-            three::<Preconditioned<2, 4>, ByLines<2, 4>, ElasticSolvers<2>>(size, pools, arguments)
-        }
-        (Group::Preconditioner, _) => {
-            three::<Preconditioned<3, 5>, ByLines<3, 5>, ElasticSolvers<3>>(size, pools, arguments)
-        }
-        (Group::Vectors, _) => of::<Vectors>(size, pools, arguments),
-        (Group::Messages, _) => Ok(Vec::new()),
+    let mut rows = Vec::new();
+    for build in builders(kernels, size.dimension) {
+        rows.extend(of(build, size, pools, arguments)?);
     }
-}
-
-/// The rows of three subjects.
-fn three<A: Build, B: Build, C: Build>(
-    size: Size,
-    pools: &[ThreadPool; 2],
-    arguments: &BenchArguments,
-) -> Result<Vec<Measurement>, Failure> {
-    let mut rows = of::<A>(size, pools, arguments)?;
-    rows.extend(of::<B>(size, pools, arguments)?);
-    rows.extend(of::<C>(size, pools, arguments)?);
     Ok(rows)
 }
 
 /// One subject for one thread and one for all, measured in turns, so that other load affects both alike.
-fn of<B: Build>(size: Size, pools: &[ThreadPool; 2], arguments: &BenchArguments) -> Result<Vec<Measurement>, Failure> {
+fn of(
+    build: Builder,
+    size: Size,
+    pools: &[ThreadPool; 2],
+    arguments: &BenchArguments,
+) -> Result<Vec<Measurement>, Failure> {
     let mut subjects = Vec::new();
     for pool in pools {
-        match pool.install(|| B::build(size)).map_err(Failure::solve)? {
+        match pool.install(|| build(size)).map_err(Failure::solve)? {
             Some(subject) => subjects.push(subject),
             None => return Ok(Vec::new()),
         }

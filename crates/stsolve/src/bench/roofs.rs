@@ -1,10 +1,10 @@
 //! The peak of the machine: the two roofs of the roofline model (Williams, Waterman & Patterson, Comm. ACM 52, 2009).
 
 use super::stopwatch::best;
-use super::subject::bytes;
 use newton_krylov::inner_product::xpay;
 use rayon::ThreadPool;
 use serde::Serialize;
+use simulation::bench::bytes;
 use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
 

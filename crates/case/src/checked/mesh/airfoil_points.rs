@@ -28,7 +28,7 @@ impl Points {
     /// # Errors
     /// A file that cannot be read. The inner result has the error of its points.
     pub(super) fn read(path: &Path) -> Result<Result<Self, String>, Box<Cause>> {
-        Ok(Self::through(point_file::read(path)?))
+        Ok(Self::through(in_order(point_file::read(path)?)))
     }
 
     /// The airfoil through points, or their error.
@@ -70,6 +70,19 @@ impl Points {
     pub(super) fn contour(&self) -> Contour<'_> {
         Contour { position: Box::new(|t| [self.x.evaluate(t), self.y.evaluate(t)]), ends: self.ends }
     }
+}
+
+/// The points in the order around the airfoil. A file in the format of Lednicer begins with the numbers of points on both sides, each of which
+/// then runs from the nose to the trailing edge.
+fn in_order(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    let Some(&[upper, lower]) = points.first() else { return points };
+    let is_count = |number: f64| number >= 2.0 && number.fract() == 0.0;
+    if !is_count(upper) || !is_count(lower) || upper + lower != (points.len() - 1) as f64 {
+        return points;
+    }
+    let (upper, lower) = points[1..].split_at(upper as usize);
+    // Both sides begin with the nose, which is then one point twice.
+    upper.iter().rev().chain(lower).copied().collect()
 }
 
 /// The points with the nose at x = 0 and the trailing edge closed at (1, 0).
@@ -134,6 +147,18 @@ mod tests {
             let mesh = cambered(&AirfoilMesh { thickness, ..AirfoilMesh::naca0012(4) }, &found.contour());
             assert_eq!(mesh.unwrap().n_cells(), 528);
         }
+    }
+
+    /// The format of Lednicer: the counts, then each side from the nose.
+    #[test]
+    fn sides_that_both_begin_at_the_nose_are_joined() {
+        let around = points(40, 0.0);
+        let sides = around[..=20].iter().rev().chain(&around[20..]);
+        let file: Vec<[f64; 2]> = std::iter::once(&[21.0, 21.0]).chain(sides).copied().collect();
+        let mut joined = in_order(file);
+        joined.dedup();
+        assert_eq!(joined, around);
+        assert_eq!(in_order(around.clone()), around);
     }
 
     #[test]

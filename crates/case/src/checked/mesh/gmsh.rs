@@ -15,7 +15,7 @@ pub(super) fn read(checker: &Checker<'_>, raw: &raw::Mesh, file: &Path) -> Check
     let refused = |error: MeshFileError| match error {
         MeshFileError::Read(error) => checker.error(&key, Cause::File { path: path.clone(), error }),
         MeshFileError::Mesh(GmshError::NoBoundary { name, known }) => {
-            let unknown = Cause::Unknown { kind: "boundary", name, accepted: known };
+            let unknown = Cause::Unknown { kind: "boundary", name, accepted: known, belongs: None };
             checker.error(&Key::new("mesh.periodic"), unknown)
         }
         error => checker.error(&key, Cause::MeshFile { path: path.clone(), error }),

@@ -22,8 +22,10 @@ use super::order;
 use crate::any_mesh::AnyMesh;
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
-use crate::raw::{Extrude, Generate, Mesh as Raw};
+use crate::error::{Cause, Errors};
+use crate::raw::{AirfoilGenerator, ChannelFlagGenerator, Extrude, Generate, Mesh as Raw, TurbineBladeGenerator};
 use ::mesh::generate::Extrusion;
+use ::mesh::{MeshError, ORDERS};
 use family::Family;
 
 /// Builds the mesh.
@@ -46,12 +48,46 @@ pub(super) fn build(checker: &Checker<'_>, raw: &Raw) -> Checked<AnyMesh> {
     })
 }
 
-fn generated(checker: &Checker<'_>, raw: &Raw, generate: &Generate) -> Checked<AnyMesh> {
+/// A mesh with the same boundaries as the one of `raw`, which has an error: of order 2, and of other sizes if need be.
+pub(super) fn stand_in(checker: &Checker<'_>, raw: &Raw) -> Option<AnyMesh> {
+    let of_order = |order: Option<usize>, generate: &Option<Generate>| {
+        build(checker, &Raw { order, generate: generate.clone(), ..raw.clone() }).ok()
+    };
+    let Some(generate) = &raw.generate else { return of_order(None, &None) };
+    let of_defaults = match generate {
+        Generate::ChannelFlag(_) => Some(Generate::ChannelFlag(ChannelFlagGenerator::default())),
+        Generate::Airfoil(_) => Some(Generate::Airfoil(AirfoilGenerator::default())),
+        Generate::TurbineBlade(_) => Some(Generate::TurbineBlade(TurbineBladeGenerator::default())),
+        _ => None,
+    };
+    of_order(Some(*ORDERS.start()), &raw.generate).or_else(|| of_order(Some(*ORDERS.start()), &of_defaults))
+}
+
+/// The given order, or the lowest one beside an error.
+fn order_or_lowest(checker: &Checker<'_>, raw: &Raw) -> (usize, Errors) {
     let key = Key::new("mesh.order");
     let missing =
         || checker.combination(&key, "the order of the mesh is missing", "`order`, 2 to 16 nodes per direction");
-    let order = order(checker, &key, "the order of the mesh", raw.order.ok_or_else(missing)?)?;
-    refuse_keys_of_files(checker, raw)?;
+    let mut errors = Errors::default();
+    let given = raw.order.ok_or_else(missing).and_then(|given| order(checker, &key, "the order of the mesh", given));
+    (errors.note(given).unwrap_or(*ORDERS.start()), errors)
+}
+
+/// Checks the generator also if the order has an error, except for errors that a higher order may mend.
+fn generated(checker: &Checker<'_>, raw: &Raw, generate: &Generate) -> Checked<AnyMesh> {
+    let (order, mut errors) = order_or_lowest(checker, raw);
+    errors.note(refuse_keys_of_files(checker, raw));
+    let has_order = errors.is_empty();
+    let mesh = errors.note(of_generator(checker, generate, order).map_err(|error| match error.cause {
+        Cause::Mesh(MeshError::Parameter { .. }) | Cause::OutOfRange { .. } => error,
+        _ if has_order => error,
+        _ => checker.follows(&Key::new("mesh")),
+    }));
+    errors.all()?;
+    mesh.ok_or_else(|| checker.follows(&Key::new("mesh")))
+}
+
+fn of_generator(checker: &Checker<'_>, generate: &Generate, order: usize) -> Checked<AnyMesh> {
     match generate {
         Generate::Box(raw) => box_mesh::build(checker, raw, order),
         Generate::Channel(raw) => channel::build(checker, raw, order),

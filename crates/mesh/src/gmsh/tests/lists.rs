@@ -48,8 +48,19 @@ fn messages_name_the_place() {
             message(|lists| lists.elements[2].nodes = vec![1, 2]),
             "side 2: the element of boundary \"wall\" is not a face",
         ),
-        (message(|lists| lists.nodes[3][2] = 1.0), "node (2, 2): z = 1, other nodes have 0"),
+        (
+            message(|lists| lists.nodes[3][2] = 1.0),
+            "node (2, 2): z = 1, other nodes have 0: the file has surfaces that do not lie in one plane, and no volumes",
+        ),
+        (
+            message(|lists| lists.nodes.iter_mut().for_each(|x| x[2] = x[1])),
+            "node (2, 2): z = 1, other nodes have 0: a mesh in two dimensions has constant z: rotate its plane",
+        ),
         (message(|lists| drop(lists.elements.pop())), "cell 5: face 0 of cell 0"),
+        (
+            message(|lists| lists.elements.push(lists.elements[2].clone())),
+            "cell 5: face 1 of cell 0 is listed in boundary \"wall\" and in boundary \"wall\": leave it in one boundary condition",
+        ),
         (message(|lists| lists.elements.clear()), "the file has 0 elements of surfaces"),
     ];
     for (message, expected) in cases {

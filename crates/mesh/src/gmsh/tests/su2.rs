@@ -142,6 +142,27 @@ fn messages_name_line_and_remedy() {
     }
 }
 
+/// A defect that was: the message named a number at the end of the line, and no remedy.
+#[test]
+fn a_curved_file_of_gmsh_is_told_to_be_straight() {
+    let message = spoiled("9 0 1 4 3 0", "9 0 1 4 3 6 7 8 9 10 0");
+    assert!(
+        message.starts_with("line 4: expected the end of the line, found `7`: elements of SU2 are straight"),
+        "{message}"
+    );
+    assert!(message.contains("here with 4 nodes") && message.contains("`Mesh.ElementOrder = 1`"), "{message}");
+}
+
+/// A defect that was: these messages had no remedy.
+#[test]
+fn faces_that_are_listed_twice_or_inside_have_a_remedy() {
+    let twice = spoiled("MARKER_ELEMS= 2\n3 3 0", "MARKER_ELEMS= 3\n3 0 1\n3 3 0");
+    assert!(twice.contains("\"wall\" and in boundary \"ends\": list the face below one MARKER_TAG, once"), "{twice}");
+    let inside = spoiled("MARKER_ELEMS= 2\n3 3 0", "MARKER_ELEMS= 3\n3 1 4\n3 3 0");
+    assert!(inside.contains("but has a neighbour: take the face out of the marker"), "{inside}");
+    assert!(twice.starts_with("line 4: ") && inside.starts_with("line 4: "), "{twice} {inside}");
+}
+
 #[test]
 fn damage_never_panics() {
     let mut random = SplitMix64::new(22);

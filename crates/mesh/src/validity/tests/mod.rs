@@ -27,6 +27,21 @@ fn the_bound_of_an_affine_cell_is_its_determinant() {
     }
 }
 
+/// A square beside a trapezium whose det J falls from 3 / 4 to 1 / 4.
+#[test]
+fn the_smallest_scaled_jacobian_names_its_cell() {
+    let corners = vec![0, 1, 2, 3, 1, 4, 3, 5];
+    let [square, trapezium] = [[0.0, 0.0, 1.0, 0.0, 0.0, 3.0, 1.0, 3.0], [1.0, 0.0, 2.0, 0.0, 1.0, 3.0, 2.0, 1.0]];
+    let side = |(cell, face)| crate::Side { cell, face };
+    let sides = [(0, 0), (0, 2), (0, 3), (1, 1), (1, 2), (1, 3)].map(side).to_vec();
+    let boundaries = vec![("wall".to_owned(), sides)];
+    let mesh = Mesh::<2>::new(2, corners, [square, trapezium].concat(), boundaries, vec![]).unwrap();
+    let (cell, value) = mesh.smallest_scaled_jacobian();
+    assert_eq!(cell, 1);
+    // Samples are at Gauss-Lobatto points, so at the corners.
+    assert!((value - 1.0 / 3.0).abs() < 1e-12, "{value}");
+}
+
 #[test]
 fn proves_thin_turned_cells_far_from_the_origin() {
     // Aspect ratio 1e6, turned by 30 degrees: rounding of the given positions alone is 1e-8 of the thickness.

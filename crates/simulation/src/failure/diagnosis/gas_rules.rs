@@ -1,6 +1,6 @@
 //! Causes in the gas: its initial state, its boundaries, its resolution.
 
-use super::super::data::{Extreme, FailureData, Gas, Mismatch, OpeningMisuse};
+use super::super::data::{Extreme, FailureData, FlowStart, Gas, Mismatch, OpeningMisuse};
 use super::{Cause, number, rises};
 use crate::openings::Misuse;
 
@@ -53,8 +53,11 @@ pub fn boundary_condition(data: &FailureData) -> Option<Cause> {
     let (start, last) = (weighed(&gas.at_start.mismatch, weight), weighed(&gas.last.mismatch, 0.5));
     let (likelihood, mismatch) = [start, last].into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
     let Mismatch { boundary, quantity, inside, target_state, .. } = mismatch;
-    // The steady flow is no way out where just that was not found.
-    let steady = if data.attempt.steady { "" } else { ", or start from the steady flow (`solver.steady`)" };
+    // Nobody is told to take the steady start that the run has, or that has just failed.
+    let steady = match gas.start {
+        FlowStart::SteadyFlow => "",
+        FlowStart::UniformStream | FlowStart::OtherState => ", or start from the steady flow (`solver.steady = {}`)",
+    };
     Some(Cause {
         name: "boundary_condition",
         likelihood: 0.05 + likelihood,
@@ -106,10 +109,25 @@ pub fn shock(data: &FailureData) -> Option<Cause> {
         }
         _ => return None,
     };
-    let remedy =
-        "capture shocks: add the empty section `[flow.shock_capturing]`; take smaller cells where the shock stands"
-            .into();
+    let remedy = format!(
+        "{}capture shocks: add the empty section `[flow.shock_capturing]`; take smaller cells where the shock stands",
+        steady_start(data, gas)
+    );
     Some(Cause { name: "shock", likelihood, what, remedy })
+}
+
+/// For the begin of a remedy: the steady start, which spares a uniform stream the strong waves of a sudden start. They have left after
+/// some slabs.
+fn steady_start(data: &FailureData, gas: &Gas) -> &'static str {
+    /// The slabs after which a failure is no longer blamed on the start.
+    const EARLY: usize = 20;
+    match gas.start {
+        FlowStart::UniformStream if data.attempt.slabs_done < EARLY => {
+            "start from the steady flow (`solver.steady = {}`), because the uniform stream that meets the walls at once makes strong \
+             waves; or "
+        }
+        _ => "",
+    }
 }
 
 /// The initial state jumps within cells.

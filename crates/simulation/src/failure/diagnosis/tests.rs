@@ -4,7 +4,7 @@
 
 use super::*;
 use crate::failure::data::{
-    Attempt, BadLoad, Bodies, Extreme, Gas, Mesh, Mismatch, Moment, Motion, Newton, OpeningMisuse, Settling,
+    Attempt, BadLoad, Bodies, Extreme, FlowStart, Gas, Mesh, Mismatch, Moment, Motion, Newton, OpeningMisuse, Settling,
     StructureData, Undefined,
 };
 use crate::openings::{Misuse, Record, Seen};
@@ -36,6 +36,7 @@ fn nothing_suspicious() -> FailureData {
             captures_shocks: false,
             is_split: false,
             kick: 0.0,
+            start: FlowStart::OtherState,
             openings: Vec::new(),
         }),
         structure: None,
@@ -259,7 +260,8 @@ fn a_transonic_flow_without_shock_capturing_is_told_to_capture_shocks() {
         data.attempt.steady = steady;
         data.mesh.motion = Motion::Elastic;
         data.mesh.smallest_det_j = 1.0;
-        *gas(&mut data) = Gas { mach, captures_shocks, ..gas(&mut data).clone() };
+        let start = if steady { FlowStart::SteadyFlow } else { FlowStart::OtherState };
+        *gas(&mut data) = Gas { mach, captures_shocks, start, ..gas(&mut data).clone() };
         gas(&mut data).at_start.mismatch = Some(mismatch.clone());
         causes(&data)
     };
@@ -269,9 +271,34 @@ fn a_transonic_flow_without_shock_capturing_is_told_to_capture_shocks() {
         let causes = transonic(steady, mach, captures);
         assert!(causes.iter().all(|cause| cause.name != "shock"), "{causes:?}");
         let tells = |part: &str| causes.iter().any(|cause| cause.remedy.contains(part));
-        assert_eq!(tells("`solver.steady`"), !steady, "{causes:?}");
+        assert_eq!(tells("`solver.steady = {}`"), !steady, "{causes:?}");
         assert_eq!(tells("needs `flow.shock_capturing`"), !captures, "{causes:?}");
         assert!(causes.iter().all(|cause| !cause.what.contains("down to 1")), "{causes:?}");
+    }
+}
+
+/// The first cause of a sudden transonic start was a shock, and its remedy did not name the steady start, which was all that it took.
+#[test]
+fn a_sudden_start_from_a_uniform_stream_is_told_first_to_start_from_the_steady_flow() {
+    let remedy = |start, slabs_done, steady| {
+        let mut data = nothing_suspicious();
+        data.attempt = Attempt { slabs_done, steady, ..data.attempt };
+        (gas(&mut data).mach, gas(&mut data).start) = (2.0, start);
+        let cause = causes(&data)[0].clone();
+        assert_eq!(cause.name, "shock");
+        cause.remedy
+    };
+    assert!(
+        remedy(FlowStart::UniformStream, 1, false).starts_with("start from the steady flow (`solver.steady = {}`)")
+    );
+    for (start, slabs_done, steady) in [
+        (FlowStart::SteadyFlow, 0, true),
+        (FlowStart::SteadyFlow, 1, false),
+        (FlowStart::OtherState, 1, false),
+        (FlowStart::UniformStream, 500, false),
+    ] {
+        let remedy = remedy(start, slabs_done, steady);
+        assert!(!remedy.contains("steady") && remedy.contains("[flow.shock_capturing]"), "{remedy}");
     }
 }
 

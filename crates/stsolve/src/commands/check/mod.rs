@@ -24,12 +24,11 @@ mod warnings;
 use super::print;
 use super::table::Table;
 use crate::cli::Probe;
-use case::{AnyCase, Case, Flow, State};
-use fem::StateField;
-use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use case::{AnyCase, Case, Flow};
+use elasticity::Plan;
 use scales::MotionScales;
 use serde_json::{Map, Value};
-use simulation::{Failure, OpeningRecord, check_controls, check_restart, move_over_run, openings_at_start, time_flow};
+use simulation::{Failure, MemoryEstimate, OpeningRecord, Preflight, PrescribedNode, check_controls};
 use walls::{FlatPlate, Walls};
 use warnings::{Warning, warnings};
 
@@ -40,8 +39,8 @@ use warnings::{Warning, warnings};
 pub fn check(case: &AnyCase, json: bool, probe: Probe) -> Result<(), Failure> {
     // Inside the pool, as in a run.
     let tables = rayon::scope(|_| match case {
-        AnyCase::Plane(case) => explain::<2, 4>(case, probe),
-        AnyCase::Space(case) => explain::<3, 5>(case, probe),
+        AnyCase::Plane(case) => explain(case, probe),
+        AnyCase::Space(case) => explain(case, probe),
     })?;
     if json {
         let object: Map<String, Value> = tables.iter().map(Table::json).collect();
@@ -55,23 +54,37 @@ pub(super) struct Facts<'a, const D: usize> {
     case: &'a Case<D>,
     /// The smallest edge of the boxes, along the axes, around the cells.
     smallest_size: f64,
+    /// The cell with the smallest scaled Jacobian at rest, and that value.
+    most_distorted: (usize, f64),
+    /// The C0 nodes with a prescribed motion.
+    prescribed: Vec<PrescribedNode<D>>,
     motion: Option<MotionScales>,
+    memory: MemoryEstimate,
+    /// The solver of an elastic mesh.
+    plan: Option<Plan>,
     walls: Option<Walls>,
     /// The boundary layer of a flow with viscosity.
     plate: Option<FlatPlate>,
 }
 
 impl<'a, const D: usize> Facts<'a, D> {
-    fn new(case: &'a Case<D>) -> Self {
+    fn new(case: &'a Case<D>) -> Self
+    where
+        Case<D>: Preflight<D>,
+    {
         let edges = |cell| {
             let (lower, upper) = case.mesh.cell_box(cell);
             (0..D).map(move |axis| upper[axis] - lower[axis])
         };
-        let flow = case.flow.as_ref();
+        let (flow, prescribed, plan) = (case.flow.as_ref(), case.prescribed_nodes(), case.elasticity_plan());
         Facts {
             case,
             smallest_size: (0..case.mesh.n_cells()).flat_map(edges).fold(f64::INFINITY, f64::min),
-            motion: MotionScales::new(case),
+            most_distorted: case.mesh.smallest_scaled_jacobian(),
+            motion: MotionScales::new(case, &prescribed),
+            prescribed,
+            memory: MemoryEstimate::new(case, plan.as_ref()),
+            plan,
             walls: flow.map(|flow| Walls::new(case, flow)),
             plate: flow
                 .and_then(|flow| FlatPlate::new(flow.law.reference.reynolds(&flow.law.gas, flow.reference_length))),
@@ -99,48 +112,48 @@ impl<'a, const D: usize> Facts<'a, D> {
     }
 }
 
-fn explain<const D: usize, const M: usize>(case: &Case<D>, probe: Probe) -> Result<Vec<Table>, Failure>
+fn explain<const D: usize>(case: &Case<D>, probe: Probe) -> Result<Vec<Table>, Failure>
 where
-    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
+    Case<D>: Preflight<D>,
 {
     if let Some(flow) = &case.flow {
-        check_restart::<D, M>(case, flow)?;
+        case.require_restart(flow)?;
         check_controls(case)?;
     }
     let facts = Facts::new(case);
     let mut tables = tables::known(&facts);
     let mut warnings = warnings(&facts);
     warnings.extend(observed::warnings(&facts));
-    warnings.extend(misused_openings::<D, M>(case));
+    warnings.extend(misused_openings(case));
     tables.extend(mesh_over_run(case, probe, &mut warnings));
-    tables.extend(seconds::<D, M>(&facts, probe, &mut warnings));
+    tables.extend(seconds(&facts, probe, &mut warnings));
     tables.push(tables::defaults(&case.about));
     tables.push(warning_table(&warnings));
     Ok(tables)
 }
 
 /// Warns of inflows and outflows that the initial state does not fit.
-fn misused_openings<const D: usize, const M: usize>(case: &Case<D>) -> Vec<Warning>
+fn misused_openings<const D: usize>(case: &Case<D>) -> Vec<Warning>
 where
-    State<D>: ExactState<D, M>,
+    Case<D>: Preflight<D>,
 {
     let Some(flow) = &case.flow else { return Vec::new() };
     let warning = |record: &OpeningRecord| {
         let name = &case.mesh.boundary_names()[record.now.boundary];
         Warning { subject: "opening", text: format!("{}: {}", record.told(name), record.now.misuse.remedy(name)) }
     };
-    openings_at_start::<D, M>(case, flow).iter().map(warning).collect()
+    case.openings_at_start(flow).iter().map(warning).collect()
 }
 
 /// Moves the mesh over the run, if requested, and warns if it is not proved valid.
-fn mesh_over_run<const D: usize>(case: &Case<D>, probe: Probe, warnings: &mut Vec<Warning>) -> Option<Table> {
+fn mesh_over_run<const D: usize>(case: &Case<D>, probe: Probe, warnings: &mut Vec<Warning>) -> Option<Table>
+where
+    Case<D>: Preflight<D>,
+{
     if !measured::moves_mesh(case, probe) {
         return None;
     }
-    let over_run = match move_over_run(case) {
+    let over_run = match case.move_over_run() {
         Ok(over_run) => over_run?,
         Err(error) => {
             warnings.push(Warning { subject: "mesh", text: format!("{error:#}") });
@@ -159,22 +172,19 @@ fn mesh_over_run<const D: usize>(case: &Case<D>, probe: Probe, warnings: &mut Ve
 }
 
 /// Times the parts of a slab, if requested.
-fn seconds<const D: usize, const M: usize>(
+fn seconds<const D: usize>(
     facts: &Facts<'_, D>,
     probe: Probe,
     warnings: &mut Vec<Warning>,
 ) -> Option<Table>
 where
-    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
+    Case<D>: Preflight<D>,
 {
     let flow = facts.case.flow.as_ref()?;
     if !measured::times_flow::<D>(facts.case.flow_unknowns(), probe) {
         return None;
     }
-    match time_flow::<D, M>(facts.case, flow) {
+    match facts.case.time_flow(flow) {
         Ok(timing) => Some(measured::timing_table(facts.case, &timing)),
         Err(error) => {
             warnings.push(Warning { subject: "first slab", text: error.to_string() });

@@ -5,6 +5,7 @@ use super::warnings::{Warning, warning};
 use crate::commands::quality::{centre, least_orthogonal};
 use case::Flow;
 use fem::Quadrature;
+use mesh::Mesh;
 use navier_stokes::{Boundary, VolumeFlux};
 
 /// A motion with fewer nodes in time per period is badly resolved.
@@ -13,7 +14,7 @@ const NODES_PER_PERIOD: f64 = 12.0;
 /// A boundary layer with fewer nodes across is badly resolved.
 const NODES_IN_LAYER: f64 = 5.0;
 
-/// Split cells with a smaller orthogonality are poor.
+/// Split cells with a smaller orthogonality, or a smaller scaled Jacobian, are poor.
 const POOR_CELL: f64 = 0.1;
 
 /// Without walls a flow with a larger Reynolds number of a distance of nodes is not resolved.
@@ -21,17 +22,40 @@ const CELL_REYNOLDS: f64 = 100.0;
 
 /// Cells of a file that were split into poor ones.
 pub(super) fn split_cells<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
-    let mesh = &facts.case.mesh;
-    let (cell, orthogonality) = facts.case.splits_simplices.then(|| least_orthogonal(mesh))?;
-    if orthogonality >= POOR_CELL {
+    if !facts.case.splits_simplices {
         return None;
     }
-    let text = format!(
-        "`mesh.split_simplices` makes poor cells: the orthogonality of cell {cell} at {:.4?} is {orthogonality:.3}, where 1 is rectangular and 0 flat; a mesh \
-         of less acute triangles or tetrahedra, or one of quadrilaterals or hexahedra",
-        centre(mesh, cell)
-    );
-    warning("cells", text)
+    let mesh = &facts.case.mesh;
+    let (flat, distorted) = (flat_cell(mesh), distorted_cell(mesh, facts.most_distorted));
+    let remedy = match (&flat, &distorted) {
+        (None, None) => return None,
+        (Some(_), _) if D == 2 => "less acute triangles, or quadrilaterals",
+        (None, _) if D == 2 => "less curved triangles, or quadrilaterals",
+        _ => "hexahedra, or prisms of less acute triangles",
+    };
+    let problems = flat.into_iter().chain(distorted).collect::<Vec<_>>().join("; ");
+    warning("cells", format!("`mesh.split_simplices` makes poor cells: {problems}; a mesh of {remedy}"))
+}
+
+/// The least orthogonal cell, if it is poor.
+fn flat_cell<const D: usize>(mesh: &Mesh<D>) -> Option<String> {
+    let (cell, orthogonality) = least_orthogonal(mesh);
+    let at = centre(mesh, cell);
+    (orthogonality < POOR_CELL).then(|| {
+        format!("the orthogonality of cell {cell} at {at:.4?} is {orthogonality:.3}, where 1 is rectangular and 0 flat")
+    })
+}
+
+/// The most distorted cell, if it is poor: a piece of a tetrahedron always is.
+fn distorted_cell<const D: usize>(mesh: &Mesh<D>, (cell, scaled_jacobian): (usize, f64)) -> Option<String> {
+    let (at, most) =
+        (centre(mesh, cell), if D == 2 { "1/3" } else { "2/27 in a piece of a tetrahedron, 1/3 of a prism" });
+    (scaled_jacobian < POOR_CELL).then(|| {
+        format!(
+            "the scaled Jacobian of cell {cell} at {at:.4?} is {scaled_jacobian:.3}, where 1 is undistorted and 0 degenerate \
+             (at most {most})"
+        )
+    })
 }
 
 /// Fewer points of quadrature than conserve.

@@ -1,8 +1,9 @@
 //! Speed and amplitude of the motion of a mesh.
 
+use super::Facts;
 use case::{Case, Flow, Motion, Wall};
 use mesh::NodeNumbering;
-use simulation::{PrescribedNode, prescribed_nodes};
+use simulation::PrescribedNode;
 use std::collections::BTreeSet;
 
 /// The largest number of nodes examined.
@@ -34,9 +35,8 @@ pub(super) struct MotionScales {
 }
 
 impl MotionScales {
-    /// The scales of the motion that `case` prescribes; None if it moves nothing.
-    pub(super) fn new<const D: usize>(case: &Case<D>) -> Option<Self> {
-        let nodes = prescribed_nodes(case);
+    /// The scales of the motion that `case` prescribes for `nodes`; None if it moves nothing.
+    pub(super) fn new<const D: usize>(case: &Case<D>, nodes: &[PrescribedNode<D>]) -> Option<Self> {
         let stride = nodes.len().div_ceil(NODES).max(1);
         let operations =
             case.motion.as_ref().map_or(0, Motion::operations).max(1) * nodes.len().div_ceil(stride).max(1);
@@ -76,15 +76,16 @@ impl MotionScales {
 }
 
 /// The largest initial speed of a node with a prescribed motion on a wall of `flow`; None if there is no such wall.
-pub(super) fn walls_at_start<const D: usize>(case: &Case<D>, flow: &Flow<D>) -> Option<f64> {
+pub(super) fn walls_at_start<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<f64> {
+    let case = facts.case;
     let moment = MOMENT * case.time.step / TIMES[0] as f64;
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
     let on_wall = |wall: &Wall<D>| numbering.on_boundary(&case.mesh, wall.boundary);
     let walls: BTreeSet<usize> = flow.walls.iter().flat_map(on_wall).collect();
-    let moved = prescribed_nodes(case).into_iter().filter(|(node, ..)| walls.contains(node));
+    let moved = facts.prescribed.iter().filter(|(node, ..)| walls.contains(node));
     let start = case.time.start;
-    let at_start = |(node, x, field): PrescribedNode<D>| {
-        let path = |t: f64| field.displacement(node, &x, t);
+    let at_start = |(node, x, field): &PrescribedNode<D>| {
+        let path = |t: f64| field.displacement(*node, x, t);
         speed(&path(start), &path(start + moment), moment)
     };
     moved.map(at_start).reduce(f64::max)

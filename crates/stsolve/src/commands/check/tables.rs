@@ -6,12 +6,12 @@ use case::{About, Analysis, Case, Flow, Motion, Plane, Preconditioner, Structure
 use elasticity::{Law, Solver};
 use mesh::Mesh;
 use serde_json::Value;
-use simulation::{MemoryEstimate, elasticity_plan, typical_iterations};
+use simulation::typical_iterations;
 
 /// All tables except the defaults.
 pub(super) fn known<const D: usize>(facts: &Facts<'_, D>) -> Vec<Table> {
     let case = facts.case;
-    let mut tables = vec![about(&case.about), mesh_table(case, facts.smallest_size), time_table(case)];
+    let mut tables = vec![about(&case.about), mesh_table(facts), time_table(case)];
     tables.extend(case.motion.as_ref().map(|motion| motion_table(facts, motion)));
     tables.extend(case.structure.as_ref().map(|structure| structure_table(case, structure)));
     if let Some(flow) = &case.flow {
@@ -30,16 +30,18 @@ fn about(about: &About) -> Table {
     table
 }
 
-fn mesh_table<const D: usize>(case: &Case<D>, size: f64) -> Table {
-    let mesh = &case.mesh;
+fn mesh_table<const D: usize>(facts: &Facts<'_, D>) -> Table {
+    let (mesh, (cell, scaled_jacobian)) = (&facts.case.mesh, facts.most_distorted);
     let mut table = Table::new("mesh");
     table
         .row("dimension", D, "")
         .row("cells", mesh.n_cells(), "")
         .row("order", mesh.order(), "nodes per direction")
         .row("volume", mesh.volume(), "")
-        .row("smallest cell", size, "")
+        .row("smallest cell", facts.smallest_size, "")
         .row("largest aspect ratio", largest_aspect_ratio(mesh), "")
+        .row("smallest scaled Jacobian", scaled_jacobian, "1 is undistorted, 0 degenerate")
+        .row("most distorted cell", cell, "")
         .row("boundaries", mesh.boundary_names().to_vec(), "");
     for region in mesh.regions() {
         table.row(&format!("region {}", region.name), region.cells.len(), "cells");
@@ -81,7 +83,7 @@ fn motion_table<const D: usize>(facts: &Facts<'_, D>, motion: &Motion<D>) -> Tab
             .row("moving boundaries", boundary.iter().flatten().count(), "")
             .row("sliding boundaries", slides.iter().flatten().count(), ""),
     };
-    if let Some(plan) = elasticity_plan(case) {
+    if let Some(plan) = &facts.plan {
         let solver = match plan.solver {
             Solver::Direct => "direct",
             Solver::Multigrid => "conjugate gradients with multigrid",
@@ -204,7 +206,7 @@ fn wall_table<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Ta
 fn cost_table<const D: usize>(facts: &Facts<'_, D>) -> Table {
     let case = facts.case;
     let mesh = case.mesh_unknowns().unwrap_or(0);
-    let memory = MemoryEstimate::new(case);
+    let memory = facts.memory;
     let megabytes = |bytes: usize| bytes as f64 / 1e6;
     let mut table = Table::new("unknowns and memory");
     table

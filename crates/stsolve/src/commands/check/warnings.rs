@@ -118,7 +118,7 @@ fn far_field<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<War
 
 /// A wall that has a speed at the start pushes the gas suddenly, for any motion of the interior mesh.
 fn start<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
-    let speed = walls_at_start(facts.case, flow)?;
+    let speed = walls_at_start(facts, flow)?;
     let relative = speed / flow.reference_speed;
     if relative <= SUDDEN {
         return None;

@@ -1,10 +1,10 @@
 //! The contents of a mesh file.
 
+use super::mesh_facts::MeshFacts;
 use crate::commands::print;
-use crate::commands::quality::smallest_scaled_jacobian;
 use crate::commands::table::Table;
 use case::{AnyMesh, MeshFileError};
-use mesh::{Mesh, Simplices};
+use mesh::Simplices;
 use serde_json::{Map, Value};
 use simulation::Failure;
 use std::fs::File;
@@ -44,57 +44,15 @@ pub(super) fn info(path: &Path, json: bool) -> Result<(), Failure> {
         },
         mesh => (mesh, None),
     };
-    let tables = match mesh.map_err(|error| Failure::bad_input(in_file(error)))? {
-        AnyMesh::Plane(mesh) => tables(path, &mesh),
-        AnyMesh::Space(mesh) => tables(path, &mesh),
+    let facts = match mesh.map_err(|error| Failure::bad_input(in_file(error)))? {
+        AnyMesh::Plane(mesh) => MeshFacts::new(path, &mesh),
+        AnyMesh::Space(mesh) => MeshFacts::new(path, &mesh),
     };
     if json {
         let problem = problem.map(|problem| ("problem".to_owned(), Value::from(problem)));
-        let object: Map<String, Value> = tables.iter().map(Table::json).chain(problem).collect();
+        let object: Map<String, Value> = facts.json().into_iter().chain(problem).collect();
         return print(&Value::Object(object).to_string());
     }
     let before = problem.map(|problem| format!("{problem}\n\nThe mesh with `mesh.split_simplices = true`:\n"));
-    print(&before.into_iter().chain(tables.iter().map(Table::text)).collect::<Vec<_>>().join("\n"))
-}
-
-fn tables<const D: usize>(path: &Path, mesh: &Mesh<D>) -> [Table; 4] {
-    let (cell, aspect_ratio) = largest((0..mesh.n_cells()).map(|cell| mesh.aspect_ratio(cell)));
-    let mut shape = Table::new(&path.display().to_string());
-    shape
-        .row("dimension", D, "")
-        .row("cells", mesh.n_cells(), "")
-        .row("order", mesh.order(), "nodes per direction")
-        .row("volume", mesh.volume(), "")
-        .row("largest aspect ratio", aspect_ratio, "")
-        .row("  in cell", cell, "")
-        .row("smallest scaled Jacobian", smallest_scaled_jacobian(mesh), "sampled")
-        // Every mesh that was read is valid.
-        .row("valid", "yes", "det J > 0 is proved in every cell");
-    let mut boundaries = Table::new("boundaries");
-    for (boundary, name) in mesh.boundary_names().iter().enumerate() {
-        let facets = mesh.boundary_facets().iter().filter(|facet| facet.boundary == boundary).count();
-        boundaries.row(name, facets, "facets");
-    }
-    let mut periodic = Table::new("boundaries that are translates of each other and could be periodic");
-    for pair in mesh.translated_boundaries() {
-        let [minus, plus] = [pair.minus, pair.plus].map(|boundary| mesh.boundary_names()[boundary].as_str());
-        periodic.row(&format!("{minus}, {plus}"), pair.translation.to_vec(), "apart");
-    }
-    [shape, boundaries, regions(mesh), periodic]
-}
-
-fn regions<const D: usize>(mesh: &Mesh<D>) -> Table {
-    let mut regions = Table::new("regions, and boundaries between them");
-    for region in mesh.regions() {
-        regions.row(&region.name, region.cells.len(), "cells");
-    }
-    for (name, sides) in mesh.interfaces() {
-        regions.row(name, sides.len(), "facets");
-    }
-    regions
-}
-
-/// The largest value, and its place.
-fn largest(values: impl Iterator<Item = f64>) -> (usize, f64) {
-    values.enumerate().fold((0, 0.0), |largest, value| if value.1 > largest.1 { value } else { largest })
+    print(&before.into_iter().chain(facts.tables().iter().map(Table::text)).collect::<Vec<_>>().join("\n"))
 }

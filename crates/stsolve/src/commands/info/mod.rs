@@ -1,5 +1,6 @@
 //! `stsolve info`
 
+mod mesh_facts;
 mod mesh_file;
 
 use super::print;

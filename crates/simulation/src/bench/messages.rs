@@ -42,7 +42,7 @@ struct Sent {
 
 /// One kernel at one order.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct MessageCount {
+pub struct MessageCount {
     dimension: usize,
     order: usize,
     kernel: &'static str,
@@ -52,7 +52,7 @@ pub(super) struct MessageCount {
 
 impl MessageCount {
     /// The names of the columns.
-    pub(super) const HEADING: &str =
+    pub const HEADING: &str =
         "D   N  sent by each of 8 ranks     messages        model        bytes        model  bytes/model";
 }
 
@@ -72,7 +72,7 @@ const KERNELS: [&str; 4] = ["residual", "product", "application, blocks", "maxim
 ///
 /// # Errors
 /// Those of the mesh.
-pub(super) fn count<const D: usize, const M: usize>(size: Size) -> anyhow::Result<Vec<MessageCount>>
+pub fn count<const D: usize, const M: usize>(size: Size) -> anyhow::Result<Vec<MessageCount>>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {

@@ -5,7 +5,7 @@ use elasticity::{ElasticMesh, ElasticityError, Material, Plan, Solver, Stiffness
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 
 /// A curved box whose boundary is constrained.
-pub(super) struct ElasticBox<const D: usize> {
+pub struct ElasticBox<const D: usize> {
     mesh: Mesh<D>,
     numbering: NodeNumbering,
     material: Material,
@@ -14,7 +14,7 @@ pub(super) struct ElasticBox<const D: usize> {
 
 impl<const D: usize> ElasticBox<D> {
     /// With about 10^5 unknowns.
-    pub(super) fn new(size: Size) -> anyhow::Result<Self> {
+    pub fn new(size: Size) -> anyhow::Result<Self> {
         let (order, intervals) = (size.order, size.nodes(226, 33) - 1);
         let cells = ((intervals as f64 / (order - 1) as f64).round() as usize).max(2);
         let curving = Curving::Wavy { amplitude: 0.02 };
@@ -28,30 +28,30 @@ impl<const D: usize> ElasticBox<D> {
     }
 
     /// The plan of `solver` for this box.
-    pub(super) fn plan(&self, solver: Solver) -> Plan {
+    pub fn plan(&self, solver: Solver) -> Plan {
         Plan::new(&self.mesh, &self.numbering, &self.constrained, solver)
     }
 
     /// Everything up to the first solve.
-    pub(super) fn set_up(&self, solver: Solver) -> Result<ElasticMesh<D>, ElasticityError> {
+    pub fn set_up(&self, solver: Solver) -> Result<ElasticMesh<D>, ElasticityError> {
         let stiffness = Stiffness::InverseJacobian { power: 1.0 };
         ElasticMesh::with_solver(&self.mesh, &self.numbering, self.material, stiffness, &self.constrained, solver)
     }
 
     /// Repeats a set-up that succeeded before.
-    pub(super) fn set_up_again(&self, solver: Solver) -> ElasticMesh<D> {
+    pub fn set_up_again(&self, solver: Solver) -> ElasticMesh<D> {
         self.set_up(solver).unwrap_or_else(|error| unreachable!("it was set up before: {error}"))
     }
 }
 
 /// A displacement of the boundary.
-pub(super) fn boundary<const D: usize>(elastic: &ElasticMesh<D>) -> Vec<f64> {
+pub fn boundary<const D: usize>(elastic: &ElasticMesh<D>) -> Vec<f64> {
     let everywhere = elastic.coordinates().iter().flat_map(|x| x.map(|x_i| (3.0 * x_i).sin() * x[0]));
     everywhere.zip(elastic.constrained()).map(|(d, held)| if *held { d } else { 0.0 }).collect()
 }
 
 /// The box with the solver that suits its size.
-pub(super) struct Elastic<const D: usize> {
+pub struct Elastic<const D: usize> {
     of: ElasticBox<D>,
     elastic: ElasticMesh<D>,
     moved: Vec<f64>,

@@ -30,7 +30,7 @@ impl LinearSystem for Diagonal {
 }
 
 /// Vectors as long as those of the flow.
-pub(super) struct Vectors {
+pub struct Vectors {
     system: Diagonal,
     right: Vec<f64>,
     solution: Vec<f64>,

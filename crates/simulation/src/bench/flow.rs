@@ -11,16 +11,16 @@ use navier_stokes::{
 const TIME_ORDER: usize = 2;
 
 /// Length of the slab.
-pub(super) const DT: f64 = 0.01;
+pub const DT: f64 = 0.01;
 
 /// Nodes per direction in 2-D and in 3-D: some hundred thousand unknowns.
-pub(super) const PLANE_NODES: usize = 128;
-pub(super) const SPACE_NODES: usize = 32;
+pub const PLANE_NODES: usize = 128;
+pub const SPACE_NODES: usize = 32;
 
 /// The operator on a periodic box, with a state and a direction.
-pub(super) struct Flow<const D: usize, const M: usize> {
-    pub(super) operator: SlabOperator<D, M>,
-    pub(super) state: Vec<f64>,
+pub struct Flow<const D: usize, const M: usize> {
+    pub operator: SlabOperator<D, M>,
+    pub state: Vec<f64>,
     direction: Vec<f64>,
     velocities: Vec<f64>,
     out: Vec<f64>,
@@ -32,7 +32,7 @@ fn wave(i: usize) -> f64 {
 }
 
 /// A curved mesh of `cells` cells per direction.
-pub(super) fn periodic_box<const D: usize>(cells: usize, order: usize) -> Result<Mesh<D>, MeshError> {
+pub fn periodic_box<const D: usize>(cells: usize, order: usize) -> Result<Mesh<D>, MeshError> {
     let curving = Curving::Wavy { amplitude: 0.02 };
     BoxMesh { lower: [0.0; D], upper: [1.0; D], cells: [cells; D], order, curving, periodic: [true; D] }.build()
 }
@@ -42,14 +42,14 @@ where
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
     /// On `cells` cells per direction, of the orders of `size`.
-    pub(super) fn on(cells: usize, size: Size) -> anyhow::Result<Self> {
+    pub fn on(cells: usize, size: Size) -> anyhow::Result<Self> {
         let mesh = periodic_box(cells, size.mesh_order)?;
         let share = Share::whole(&mesh);
         Self::of_share(&mesh, size, share)
     }
 
     /// On a share of `mesh`.
-    pub(super) fn of_share(mesh: &Mesh<D>, size: Size, share: Share) -> anyhow::Result<Self> {
+    pub fn of_share(mesh: &Mesh<D>, size: Size, share: Share) -> anyhow::Result<Self> {
         let Size { order, mesh_order, quadrature, .. } = size;
         let numbering = NodeNumbering::new(mesh, mesh_order);
         let gas = Gas::new(1.4, 1.0, 0.72, Viscosity::Constant(1e-3))?;

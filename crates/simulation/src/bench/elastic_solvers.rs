@@ -22,7 +22,7 @@ struct Solving<const D: usize> {
 }
 
 /// The box with every solver that fits into memory.
-pub(super) struct ElasticSolvers<const D: usize> {
+pub struct ElasticSolvers<const D: usize> {
     of: ElasticBox<D>,
     all: Vec<Solving<D>>,
     right: Vec<f64>,

@@ -13,7 +13,7 @@ const MOST_BYTES: f64 = 3e8;
 const LARGEST_BLOCK: usize = 1100;
 
 /// An operator with its preconditioner.
-pub(super) struct Preconditioned<const D: usize, const M: usize> {
+pub struct Preconditioned<const D: usize, const M: usize> {
     flow: Flow<D, M>,
     preconditioner: BlockIlu<f32>,
     out: Vec<f64>,
@@ -58,7 +58,7 @@ impl<const D: usize, const M: usize> Subject for Preconditioned<D, M> {
 }
 
 /// An operator with its preconditioner by directions.
-pub(super) struct ByLines<const D: usize, const M: usize> {
+pub struct ByLines<const D: usize, const M: usize> {
     flow: Flow<D, M>,
     lines: LinePreconditioner,
     out: Vec<f64>,

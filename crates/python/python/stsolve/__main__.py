@@ -1,0 +1,5 @@
+"""`python -m stsolve`: the command."""
+
+from . import main
+
+main()

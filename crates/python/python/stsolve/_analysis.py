@@ -1,0 +1,100 @@
+"""Integral quantities of boundary layers, and spectra."""
+
+import numpy as np
+
+POINTS = 64
+
+
+def spectrum(times, values, segments=1):
+    """The power spectral density of a signal by Welch's method, as a pair of arrays: frequencies, densities.
+
+    Uneven times are interpolated linearly. Segments overlap by a half. Each loses its mean and is multiplied by a Hann window.
+    The integral over the frequency is the variance.
+    """
+    times, values = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
+    if times.ndim != 1 or times.shape != values.shape or len(times) < 8 or not (np.diff(times) > 0).all():
+        raise ValueError("a spectrum needs at least 8 increasing times, and as many values")
+    if not 1 <= segments <= len(times) // 8:
+        raise ValueError(f"segments = {segments} is not in 1 to {len(times) // 8}: a segment has 8 values or more")
+    even = np.linspace(times[0], times[-1], len(times))
+    signal, dt = np.interp(even, times, values), even[1] - even[0]
+    length = 2 * (len(signal) // (segments + 1)) if segments > 1 else len(signal)
+    window = np.hanning(length + 1)[:-1]
+    starts = [number * (length // 2) for number in range(segments)]
+    parts = np.stack([signal[start : start + length] for start in starts])
+    amplitudes = np.abs(np.fft.rfft((parts - parts.mean(axis=1, keepdims=True)) * window)) ** 2
+    density = amplitudes.mean(axis=0) * dt / (window**2).sum()
+    # Frequencies between zero and half of the rate stand for their negatives, too.
+    density[1 : (length + 1) // 2] *= 2
+    return np.fft.rfftfreq(length, dt), density
+
+
+def boundary_layer(result, wall, thickness, number=-1):
+    """Integral quantities of the boundary layer at the points of `result.surface(wall, number)`, a dictionary of arrays.
+
+    From each point a line runs into the gas along the normal of the wall, up to the distance `thickness`. Let u be the velocity relative
+    to the wall, along the wall, in the direction of the edge. The edge n_e is where its size is largest, u_e and rho_e are the values
+    there:
+
+        displacement_thickness   int_0^n_e (1 - rho u / (rho_e u_e)) dn
+        momentum_thickness       int_0^n_e rho u / (rho_e u_e) (1 - u / u_e) dn
+        energy_thickness         int_0^n_e rho u / (rho_e u_e) (1 - (u / u_e)^2) dn
+        shape_factor             displacement_thickness / momentum_thickness
+        thickness                the least distance with u >= 0.99 u_e
+        edge_velocity            u_e
+
+    Points whose line leaves the mesh have NaN. (H. Schlichting, K. Gersten: Boundary-Layer Theory.)
+    """
+    if not thickness > 0:
+        raise ValueError(f"thickness = {thickness} is not positive")
+    surface, axes = result.surface(wall, number), "xyz"[: result.dimension]
+    step = _step_of(result, surface["t"])
+    x = np.stack([surface[axis] for axis in axes], axis=-1)
+    normal = -np.stack([surface[f"normal_{axis}"] for axis in axes], axis=-1)
+    nodes, weights = np.polynomial.legendre.leggauss(POINTS)
+    n, weights = 0.5 * thickness * (1 + nodes), 0.5 * thickness * weights
+    line = x[:, None, :] + n[None, :, None] * normal[:, None, :]
+    density, u = _along_edge(result, step, line, normal)
+    return _integrals(density, u, n, weights)
+
+
+def _step_of(result, time):
+    """The step of the result at the time of a distribution, which are written at times of their own."""
+    step = result.step_at(time)
+    if abs(result.times[step] - time) > 1e-9 * max(1.0, abs(time)):
+        raise ValueError(f"the result has no step at t = {time:g}: `output.surfaces.every` must be a multiple of `output.every`")
+    return step
+
+
+def _along_edge(result, step, line, normal):
+    """The density, and the velocity along the wall in the direction of the edge: [point][node of the line]."""
+    shape = line.shape[:-1]
+    state = result.evaluate(line.reshape(-1, result.dimension), step).reshape(*shape, -1)
+    velocity = state[..., 1:-1] / state[..., :1]
+    if "mesh_velocity" in result.arrays:
+        # At the wall the mesh moves with it.
+        velocity = velocity - result.evaluate(line[:, 0], step, name="mesh_velocity")[:, None, :]
+    along = velocity - (velocity * normal[:, None, :]).sum(axis=-1, keepdims=True) * normal[:, None, :]
+    edge = np.argmax(np.nan_to_num(np.linalg.norm(along, axis=-1)), axis=1)
+    direction = along[np.arange(len(edge)), edge]
+    direction = direction / np.maximum(np.linalg.norm(direction, axis=-1, keepdims=True), 1e-300)
+    return state[..., 0], (along * direction[:, None, :]).sum(axis=-1)
+
+
+def _integrals(density, u, n, weights):
+    rows = np.arange(len(u))
+    edge = np.argmax(np.nan_to_num(u), axis=1)
+    rho_e, u_e = density[rows, edge, None], u[rows, edge, None]
+    inside = np.arange(len(n))[None, :] <= edge[:, None]
+    flux, ratio = np.where(inside, density * u / (rho_e * u_e), 1.0), np.where(inside, u / u_e, 1.0)
+    lost = ~np.isfinite(u).all(axis=1)
+    integral = lambda integrand: np.where(lost, np.nan, (np.where(inside, integrand, 0.0) * weights).sum(axis=1))
+    displacement, momentum = integral(1 - flux), integral(flux * (1 - ratio))
+    return {
+        "displacement_thickness": displacement,
+        "momentum_thickness": momentum,
+        "energy_thickness": integral(flux * (1 - ratio**2)),
+        "shape_factor": displacement / momentum,
+        "thickness": np.where(lost, np.nan, n[np.argmax(ratio >= 0.99, axis=1)]),
+        "edge_velocity": np.where(lost, np.nan, u_e[:, 0]),
+    }
