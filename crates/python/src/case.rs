@@ -71,6 +71,7 @@ impl Case {
     ///
     /// `threads` is the number of threads; default all cores. The results have the same bits for any number.
     #[pyo3(signature = (output=None, existing="keep", on_slab=None, progress=false, threads=None))]
+    #[expect(clippy::too_many_arguments, reason = "they are the named parameters of Python")]
     fn run<'py>(
         &self,
         py: Python<'py>,

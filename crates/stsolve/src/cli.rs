@@ -95,7 +95,7 @@ pub struct DrawingArguments {
     #[arg(long, value_name = "FIELD", group = "drawing")]
     picture: Option<String>,
     /// The window of the movie or picture: its name in the page, for instance "whole domain", a box `X0,Y0,X1,Y1`, or in three dimensions a plane
-    /// such as `z=0.5`; `cut x` is its middle position in the page [default: the first window of the page].
+    /// such as `z=0.5`. `cut x` is its middle position in the page [default: the first window of the page].
     #[arg(long, value_name = "WINDOW", requires = "drawing", allow_hyphen_values = true)]
     window: Option<String>,
     /// The values at the ends of the colours [default: nearly all values at all steps].

@@ -222,7 +222,8 @@ impl<const D: usize> Case<D> {
         let stages = errors.note(parallel::stages(checker, &raw.parallel));
         check_presence(checker, raw, &independent, &mut errors);
         errors.all()?;
-        let (Some(independent), Some(dependent), Some(stages)) = (independent.whole(), dependent.whole(), stages) else {
+        let (Some(independent), Some(dependent), Some(stages)) = (independent.whole(), dependent.whole(), stages)
+        else {
             return Err(checker.follows(&Key::default()));
         };
         check_together(checker, &independent, &dependent)?;

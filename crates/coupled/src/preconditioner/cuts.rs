@@ -94,6 +94,8 @@ impl Exchange {
         mut put: impl FnMut(&Crossing, &[f64]),
     ) {
         let pack = |_, item: usize, out: &mut Vec<f64>| pack(&self.outgoing[item], out);
-        share.exchange_across(&self.sends, &self.receives, len, pack, |item, numbers| put(&self.incoming[item], numbers));
+        share.exchange_across(&self.sends, &self.receives, len, pack, |item, numbers| {
+            put(&self.incoming[item], numbers)
+        });
     }
 }

@@ -172,11 +172,7 @@ where
 }
 
 /// Times the parts of a slab, if requested.
-fn seconds<const D: usize>(
-    facts: &Facts<'_, D>,
-    probe: Probe,
-    warnings: &mut Vec<Warning>,
-) -> Option<Table>
+fn seconds<const D: usize>(facts: &Facts<'_, D>, probe: Probe, warnings: &mut Vec<Warning>) -> Option<Table>
 where
     Case<D>: Preflight<D>,
 {
