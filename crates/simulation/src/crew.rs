@@ -143,9 +143,12 @@ pub fn while_others_wait<R: Send>(ranks: usize, work: impl FnOnce() -> R + Send)
     let of_rank = rayon::current_num_threads();
     let of_machine = std::thread::available_parallelism().map_or(1, NonZero::get);
     let threads = (of_rank * ranks).min(of_machine);
+    if threads <= of_rank {
+        return work();
+    }
     match ThreadPoolBuilder::new().num_threads(threads).build() {
-        Ok(pool) if threads > of_rank => pool.install(work),
-        _ => work(),
+        Ok(pool) => pool.install(work),
+        Err(_) => work(),
     }
 }
 

@@ -246,61 +246,45 @@ fn condition_over<const D: usize>(
     Ok(data)
 }
 
-/// The condition with its values; None stands for a gas with an error.
+/// The condition with its values; None stands for a gas with an error, which some conditions do not need.
 fn condition<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
     raw: &raw::Condition,
     given: Option<&Given<D>>,
 ) -> Checked<BoundaryData<D>> {
-    match raw {
-        raw::Condition::SlipWall => Ok(BoundaryData::uniform(Boundary::SlipWall(SlipWall))),
-        raw::Condition::Symmetry => Ok(BoundaryData::uniform(Boundary::Symmetry(SlipWall))),
-        raw::Condition::AdiabaticWall(wall) => walls::adiabatic(checker, &key.child("adiabatic_wall"), wall),
-        raw::Condition::IsothermalWall(wall) => walls::isothermal(checker, &key.child("isothermal_wall"), wall),
-        raw::Condition::Inflow(inflow) => openings::inflow(checker, &key.child("inflow"), inflow),
-        raw::Condition::VelocityInflow(inflow) => {
-            openings::velocity_inflow(checker, &key.child("velocity_inflow"), inflow)
-        }
-        _ => condition_of_gas(checker, key, raw, given.ok_or_else(|| checker.follows(key))?),
-    }
-}
-
-/// The same for conditions that need the gas.
-fn condition_of_gas<const D: usize>(
-    checker: &Checker<'_>,
-    key: &Key,
-    raw: &raw::Condition,
-    given: &Given<D>,
-) -> Checked<BoundaryData<D>> {
-    let Given { exact, gas, reference, .. } = given;
-    let gas = *gas;
+    let given = || given.ok_or_else(|| checker.follows(key));
     let prescribed = |state| BoundaryData::by_state(Boundary::PrescribedState(PrescribedState), state);
     match raw {
         raw::Condition::Exact => {
             let accepted =
                 "this condition together with `flow.exact`, or another one, for instance `{ far_field = { ... } }`";
             let missing = || checker.combination(key, "there is no exact solution to take", accepted);
-            exact.clone().map(prescribed).ok_or_else(missing)
+            given()?.exact.clone().map(prescribed).ok_or_else(missing)
         }
         raw::Condition::PrescribedState(state) => {
-            let Typical { state, .. } = states::check(checker, &key.child("prescribed_state"), state, gas)?;
+            let Typical { state, .. } = states::check(checker, &key.child("prescribed_state"), state, given()?.gas)?;
             Ok(prescribed(state))
         }
+        raw::Condition::SlipWall => Ok(BoundaryData::uniform(Boundary::SlipWall(SlipWall))),
+        raw::Condition::Symmetry => Ok(BoundaryData::uniform(Boundary::Symmetry(SlipWall))),
         raw::Condition::FarField(stream) => {
             let key = key.child("far_field");
-            let far = checker.physics(&key, FarField::new(states::free_stream(checker, &key, stream, gas)?))?;
-            Ok(BoundaryData::uniform(Boundary::FarField(far)))
+            let stream = states::free_stream(checker, &key, stream, given()?.gas)?;
+            Ok(BoundaryData::uniform(Boundary::FarField(checker.physics(&key, FarField::new(stream))?)))
+        }
+        raw::Condition::AdiabaticWall(wall) => walls::adiabatic(checker, &key.child("adiabatic_wall"), wall),
+        raw::Condition::IsothermalWall(wall) => walls::isothermal(checker, &key.child("isothermal_wall"), wall),
+        raw::Condition::Inflow(inflow) => openings::inflow(checker, &key.child("inflow"), inflow),
+        raw::Condition::VelocityInflow(inflow) => {
+            openings::velocity_inflow(checker, &key.child("velocity_inflow"), inflow)
         }
         raw::Condition::SupersonicInflow(state) => {
-            openings::supersonic_inflow(checker, &key.child("supersonic_inflow"), state, gas)
+            openings::supersonic_inflow(checker, &key.child("supersonic_inflow"), state, given()?.gas)
         }
-        raw::Condition::Outflow(outflow) => openings::outflow(checker, &key.child("outflow"), outflow, &gas, reference),
-        raw::Condition::SlipWall
-        | raw::Condition::Symmetry
-        | raw::Condition::AdiabaticWall(_)
-        | raw::Condition::IsothermalWall(_)
-        | raw::Condition::Inflow(_)
-        | raw::Condition::VelocityInflow(_) => unreachable!("these need no gas"),
+        raw::Condition::Outflow(outflow) => {
+            let Given { gas, reference, .. } = given()?;
+            openings::outflow(checker, &key.child("outflow"), outflow, gas, reference)
+        }
     }
 }

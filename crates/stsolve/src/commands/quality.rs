@@ -1,14 +1,7 @@
 //! The quality of the cells of a mesh.
 
-use mesh::{CellMap, Mesh, ValidityCheck};
+use mesh::{CellMap, Mesh};
 use tensor::{cofactor, determinant, norm};
-
-/// The smallest scaled Jacobian of a cell: min det J / max det J.
-pub(super) fn smallest_scaled_jacobian<const D: usize>(mesh: &Mesh<D>) -> f64 {
-    let check = ValidityCheck::<D>::new(mesh.order(), &[0.0]);
-    let scaled = |cell| check.bound(mesh.cell_coordinates(cell)).scaled_jacobian();
-    (0..mesh.n_cells()).map(scaled).fold(f64::INFINITY, f64::min)
-}
 
 /// The least orthogonal cell, and its orthogonality: the smallest det J over the product of the lengths of the columns of J, at corners and centre.
 /// It is 1 for a rectangular cell and 0 for a flat one. For quadrilaterals it is the sine of an angle.

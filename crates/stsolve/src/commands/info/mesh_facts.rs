@@ -1,6 +1,5 @@
 //! Facts about the mesh of a file, as tables and as JSON.
 
-use crate::commands::quality::smallest_scaled_jacobian;
 use crate::commands::table::Table;
 use mesh::Mesh;
 use serde_json::{Map, Value, json};
@@ -37,7 +36,7 @@ impl MeshFacts {
             order: mesh.order(),
             volume: mesh.volume(),
             aspect_ratio: largest((0..mesh.n_cells()).map(|cell| mesh.aspect_ratio(cell))),
-            scaled_jacobian: smallest_scaled_jacobian(mesh),
+            scaled_jacobian: mesh.smallest_scaled_jacobian().1,
             boundaries: boundaries(mesh),
             regions: mesh.regions().iter().map(|region| (region.name.clone(), region.cells.len())).collect(),
             interfaces: mesh.interfaces().iter().map(|(name, sides)| (name.clone(), sides.len())).collect(),
