@@ -37,7 +37,7 @@ impl Stop {
     /// For summary.json.
     pub fn reason(&self) -> String {
         match self {
-            Stop::Asked => "stopped on request; the run can be resumed".into(),
+            Stop::Asked => "stopped on request or by a signal; the run can be resumed".into(),
             Stop::Failed(error) => coupled::chain(error.as_ref()),
         }
     }

@@ -33,12 +33,21 @@ pub fn field(reader: &ResultReader, name: &str) -> Result<PictureField, PictureE
         let medium = if quantity.needs_case() { PictureMedium::full(reader) } else { PictureMedium::simple(reader) };
         return Ok(PictureField { quantity, medium: medium?, label: None });
     }
-    let medium = PictureMedium::full(reader)?;
-    if let Some(number) = medium.formulas.iter().position(|formula| formula.name == name) {
-        return Ok(PictureField { quantity: PictureQuantity::Formula(number), medium, label: Some(name.to_owned()) });
+    let mut accepted: Vec<String> = known.iter().map(|quantity| quantity.name().to_owned()).collect();
+    match PictureMedium::full(reader) {
+        Ok(medium) => match medium.formulas.iter().position(|formula| formula.name == name) {
+            Some(number) => {
+                let quantity = PictureQuantity::Formula(number);
+                return Ok(PictureField { quantity, medium, label: Some(name.to_owned()) });
+            }
+            None => accepted.extend(medium.formulas.into_iter().map(|formula| formula.name)),
+        },
+        // The name may be that of a formula.
+        Err(PictureError::Case(problem)) => {
+            accepted.push(format!("formulas of the case, which cannot be read: {problem}"))
+        }
+        Err(error) => return Err(error),
     }
-    let formulas = medium.formulas.iter().map(|formula| &formula.name[..]);
-    let accepted = known.iter().map(|quantity| quantity.name()).chain(formulas).map(str::to_owned).collect();
     Err(PictureError::NoField { name: name.to_owned(), accepted })
 }
 
