@@ -3,8 +3,8 @@
 
     case_pictures.py NAME... [--results DIRECTORY]
 
-A picture shows a field at the last step, with title, colours and the edges of cells; the program draws it, $STSOLVE or scripts/stsolve. Structures,
-meshes without a flow and temperatures are drawn by other scripts. `make_case_pages.py` draws the pictures of the pages that it writes. Of
+A picture shows a field at the last step, with title, colours and the edges of cells; the program draws it, $STSOLVE or scripts/stsolve. Structures
+and meshes without a flow are drawn by other scripts. `make_case_pages.py` draws the pictures of the pages that it writes. Of
 `naca0012_heave_pitch`, run with `--set output.every=1`, also the movie of README.md is made.
 """
 
@@ -33,8 +33,9 @@ VORTICES = "vortices, oblique"
 # What the program draws of a flow: the field, Mach number without an entry, and options of `stsolve report`.
 DRAWN = {
     "channel_cylinder": ("vorticity", {"window": "whole domain", "range": "-10,10"}),
+    "couette": ("temperature", {}),
     "cylinder_m1": ("vorticity", {}),
-    "cylinder_mach_3": ("mach", {"window": "-1.3,-1.3,0,1.3"}),
+    "cylinder_mach_3": ("mach", {"window": "-1.3,-1.3,0,1.3", "width": 420}),
     "cylinder_steady": ("vorticity", {"window": "-2,-2,6,2", "range": "-4,4"}),
     "cylinder_street": ("vorticity", {"window": STREET, "range": "-2,2"}),
     "cylinder_viv": ("vorticity", {"window": STREET, "range": "-2,2"}),
@@ -61,12 +62,10 @@ DRAWN = {
 }
 # Flows whose field is uniform: the mesh is drawn.
 UNIFORM = {"free_stream", "free_stream_3d"}
-# Flows whose temperature is drawn.
-TEMPERATURE = {"couette"}
 # Parts of meshes that move without a flow, x0 x1 y0 y1.
 WINDOW = {"airfoil_motion": (-0.6, 1.6, 0, 2)}
 # From where a mesh in three dimensions is seen.
-DIRECTION = {"channel_roughness_3d": (0.6, 1.6, 1.2), "turbine_blade_roughness_3d": (-1.0, 0.8, 1.0)}
+DIRECTION = {"free_stream_3d": (1.0, 0.7, 0.5), "channel_roughness_3d": (0.6, 1.6, 1.2), "turbine_blade_roughness_3d": (-1.0, 0.8, 1.0)}
 
 # The movie of README.md.
 MOVIE = "naca0012_heave_pitch"
@@ -84,12 +83,10 @@ def draw(name, run, summary, picture):
 def shown(name, run, summary, picture):
     """Has the program or a script draw; what that shows."""
     result = run / "result.vtkhdf"
-    if "flow" in summary["unknowns"] and name not in UNIFORM | TEMPERATURE:
+    if "flow" in summary["unknowns"] and name not in UNIFORM:
         return by_program(name, run, picture)
     if "structure" in summary:
         return by_script("the structure at several times", "plot_structure.py", run, picture)
-    if name in TEMPERATURE:
-        return by_script("temperature at the end", "render_vtk.py", result, picture, "--field", "temperature", "--width", WIDTH)
     if summary["mesh"]["dimension"] == 2:
         window = ["--window", *WINDOW[name]] if name in WINDOW else []
         return by_script("mesh at the end", "plot_mesh.py", result, "--output", picture, *window)

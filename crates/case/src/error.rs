@@ -262,6 +262,22 @@ pub enum Cause {
         /// The column of the values, from 1.
         column: usize,
     },
+    /// A line in the file of a table with more or fewer entries than the first one.
+    #[error("{}:{line}: {entries} entries in `{found}`, but {expected} in line {first_line}", path.display())]
+    Ragged {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// The text of the line.
+        found: String,
+        /// The number of its entries.
+        entries: usize,
+        /// The number of entries in the first line of numbers.
+        expected: usize,
+        /// That line.
+        first_line: usize,
+    },
     /// A line of a file of coordinates that is not a point.
     #[error("{}:{line}: `{found}` is not a point", path.display())]
     Coordinates {
@@ -357,6 +373,7 @@ impl Cause {
                 Some("cells that are less curved: a smaller amplitude, more cells, or a higher order".to_owned())
             }
             Cause::Coordinates { .. } => Some("two numbers, x and y, in each line; # begins a comment".to_owned()),
+            Cause::Ragged { .. } => Some("the same number of entries in every line".to_owned()),
             Cause::Row { .. } => Some("the time and the values, numbers separated by semicolons, tabs, commas or blanks".to_owned()),
             Cause::MovedAtStart { .. } => Some(
                 "a displacement that is zero everywhere at the start: subtract its value there, \"f(t) - f(0)\"; of `[tables]`, the value 0 at the start"

@@ -27,6 +27,7 @@
 //! | `expression` | formulas and tables |
 //! | `fields` | components of fields, formulas in them |
 //! | `any_mesh` | a mesh whose dimension is known only after it is read |
+//! | `clock` | times without round-off, for messages |
 //! | `memory` | available memory |
 //! | `excerpt`, `nearest` | a piece of a line with carets below it; the name that was probably meant |
 //!
@@ -55,6 +56,7 @@ mod brackets;
 mod checked;
 mod checker;
 mod choices;
+mod clock;
 mod consequences;
 mod continuation;
 mod continued_tables;
@@ -81,6 +83,7 @@ mod vector;
 pub use any_mesh::{AnyMesh, MeshFileError};
 pub use boundary_motion::{BoundaryMotion, DisplacementOf, NormalMotion, RigidMotion, RigidStep};
 pub use checked::*;
+pub use clock::rounded_time;
 pub use continuation::{Difference, Differences, differences, differences_after, lasting_of};
 pub use document::Document;
 pub use error::{CaseError, Cause, Place};

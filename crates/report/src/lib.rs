@@ -54,7 +54,7 @@ pub mod simplices;
 mod why;
 
 use output::{HISTORY_FILE, OutputError, ResultReader};
-pub use pictures::Scenario;
+pub use pictures::{MovieFormat, Scenario};
 use run_files::RunFiles;
 use std::path::{Path, PathBuf};
 
@@ -132,7 +132,8 @@ pub struct MovieFile {
     pub window: String,
 }
 
-/// Writes a movie of the run in `directory`, as the animated PNG `FIELD.png` there, or `FIELD_WINDOW.png` if the window is named.
+/// Writes a movie of the run in `directory`, as the animated PNG `FIELD.png` or the GIF `FIELD.gif` there. A named window is
+/// part of the name: `FIELD_WINDOW.png`.
 ///
 /// # Errors
 /// A directory without a run or without a result, an unknown field or window, a file that cannot be written.
@@ -164,10 +165,11 @@ fn write_frames(
 }
 
 /// The name of the file of a movie or a picture.
-fn file_name(&Scenario { field, window, .. }: &Scenario, ending: &str) -> String {
+fn file_name(&Scenario { field, window, format, .. }: &Scenario, ending: &str) -> String {
+    let ending = format!("{ending}.{}", format.ending());
     let word =
         |name: &str| name.split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty()).collect::<Vec<_>>().join("_");
-    window.map_or_else(|| format!("{field}{ending}.png"), |window| format!("{field}_{}{ending}.png", word(window)))
+    window.map_or_else(|| format!("{field}{ending}"), |window| format!("{field}_{}{ending}", word(window)))
 }
 
 /// Writes one page of the runs in `directories`, with their curves over each other, into the first of them.
@@ -201,5 +203,7 @@ mod tests {
         assert_eq!(name(None, ""), "mach.png");
         assert_eq!(name(Some("moving with the walls"), ""), "mach_moving_with_the_walls.png");
         assert_eq!(name(Some("vortices, along y"), "_last"), "mach_vortices_along_y_last.png");
+        let gif = Scenario { field: "mach", format: MovieFormat::Gif, ..Scenario::default() };
+        assert_eq!(file_name(&gif, ""), "mach.gif");
     }
 }

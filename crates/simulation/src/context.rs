@@ -5,7 +5,7 @@ use super::statistics::RunStatistics;
 use crate::clock::{self, CostClock};
 use crate::observer::{NextStep, Observer};
 use crate::session::Session;
-use crate::time::rounded;
+use case::rounded_time;
 use case::{Case, memory};
 use output::{Cost, Machine};
 use std::time::Instant;
@@ -90,14 +90,14 @@ impl<'a> RunContext<'a> {
 
     /// Reports that the run has reached its end at `time`.
     pub fn say_done(&self, time: f64, session: &Session<'_>) {
-        let (time, seconds, directory) = (rounded(time), self.seconds(), session.directory.path());
+        let (time, seconds, directory) = (rounded_time(time), self.seconds(), session.directory.path());
         let next = self.observer.advice(NextStep::Report, directory);
         self.observer.say(&format!("done: t = {time} in {seconds:.1} s; results in {}; {next}", directory.display()));
     }
 
     /// Reports that the run was stopped at `time`; `again` is the command that continues it.
     pub fn say_stopped(&self, time: f64, again: &str) {
-        self.observer.say(&format!("stopped at t = {}; continue with: {again}", rounded(time)));
+        self.observer.say(&format!("stopped at t = {}; continue with: {again}", rounded_time(time)));
     }
 }
 

@@ -17,7 +17,7 @@ use crate::destination::Destination;
 use crate::error::Failure;
 use crate::observer::{NextStep, Observer};
 use crate::session::Session;
-use crate::time::rounded;
+use case::rounded_time;
 use case::{AnyCase, Case, State};
 use coupled::Past;
 use fem::StateField;
@@ -189,7 +189,7 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     cuts::begin(case, session.directory.path(), resumed.as_ref().map(|_| reached))?;
     let mut context = RunContext::new(case, run.state().time, &session, begun, statistics);
     if resumed.is_some() && run.state().time > case.time.end + 1e-9 * case.time.step {
-        let (time, end) = (rounded(run.state().time), case.time.end);
+        let (time, end) = (rounded_time(run.state().time), case.time.end);
         observer.say(&format!("warning: the checkpoint is at t = {time}, after the end {end}: nothing is left to do"));
     }
     let stop = match resumed {
@@ -229,7 +229,7 @@ fn explained(
     again: &str,
 ) -> Failure {
     let (directory, state) = (session.directory.path(), run.state());
-    let time = rounded(state.time);
+    let time = rounded_time(state.time);
     let message = format!("the run stopped at t = {time}; the state then is in {}", directory.display());
     let report = FailureReport { case, error: &error, time, slabs: state.slab, again: Some(again) };
     let hint = failure::tell(directory, &run.examine(&error, statistics), &report);

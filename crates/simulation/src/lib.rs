@@ -30,7 +30,6 @@
 //! | `restart` | a run that starts from the result of another one |
 //! | `statistics` | sums over the run |
 //! | `surfaces` | distributions along walls |
-//! | `time` | times without round-off, for messages |
 //! | `probes`, `lines`, `slices` | the flow at points, along lines and in planes |
 //! | `cuts` | the files of lines and slices |
 //! | `walls` | loads of walls |
@@ -174,7 +173,6 @@ mod summary;
 mod surfaces;
 #[cfg(test)]
 mod tests;
-mod time;
 mod walls;
 
 pub use build::{PrescribedNode, march, march_with_motion, mover, structure_march};
@@ -191,4 +189,3 @@ pub use preflight::Preflight;
 pub use probe::{MeshOverRun, ProbeError, Timing};
 pub use stored_field::StoredField;
 pub use surfaces::{Column as SurfaceColumn, columns as surface_columns, surface_name};
-pub use time::rounded;

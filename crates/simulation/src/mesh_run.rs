@@ -10,8 +10,8 @@ use crate::destination::Destination;
 use crate::error::Failure;
 use crate::observer::{NextStep, Observer};
 use crate::session::Session;
-use crate::time::rounded;
 use case::Case;
+use case::rounded_time;
 use coupled::{MeshMarch, MeshQuality, MeshReport};
 use output::{SolverState, Summary};
 use std::sync::Arc;
@@ -122,20 +122,20 @@ impl<const D: usize> MeshRun<'_, D> {
     fn invalid(&self, first: FirstInvalid, quality: &MeshQuality, context: &RunContext, session: &Session) -> Failure {
         let (MeshQuality { sampled_min, cell, time, .. }, directory) = (quality, session.directory.path());
         let sampled = match context.statistics.first_invalid_sampled {
-            Some(time) => format!("at 2N Gauss points per direction from t = {} on", rounded(time)),
+            Some(time) => format!("at 2N Gauss points per direction from t = {} on", rounded_time(time)),
             None => "nowhere at 2N Gauss points per direction".to_owned(),
         };
         let error = anyhow::anyhow!(
             "the mesh is not valid: cell {} is inverted or nearly so from t = {} on by proof, {sampled}; det J / det J_0 falls to \
              {sampled_min:.6} in cell {cell} at t = {}; results in {}",
             first.cell,
-            rounded(first.time),
-            rounded(*time),
+            rounded_time(first.time),
+            rounded_time(*time),
             directory.display()
         );
         let Some(Inverted { finding, start, slabs }) = &self.inverted else { return Failure::solve(error) };
         let case = &self.case.about.name;
-        let report = FailureReport { case, error: &error, time: rounded(*start), slabs: *slabs, again: None };
+        let report = FailureReport { case, error: &error, time: rounded_time(*start), slabs: *slabs, again: None };
         let hint = failure::tell(directory, finding, &report);
         Failure::solve(anyhow::anyhow!("{error}{hint}"))
     }
@@ -146,10 +146,10 @@ fn say_valid(quality: &MeshQuality, time: f64, context: &RunContext, session: &S
     let directory = session.directory.path();
     context.observer.say(&format!(
         "valid until t = {}: det J / det J_0 >= {:.6} proved, smallest in cell {} near t = {}; {:.1} s; results in {}; {}",
-        rounded(time),
+        rounded_time(time),
         quality.lower_bound,
         quality.cell,
-        rounded(quality.time),
+        rounded_time(quality.time),
         context.seconds(),
         directory.display(),
         session.observer.advice(NextStep::Report, directory),

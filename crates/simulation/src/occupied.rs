@@ -4,8 +4,8 @@
 use crate::destination::{Destination, Existing};
 use crate::error::Failure;
 use crate::observer::{NextStep, Observer};
-use crate::time::rounded;
 use case::AnyCase;
+use case::rounded_time;
 use output::{EarlierRun, RESULT_FILE, RunDirectory};
 use std::path::{Path, PathBuf};
 
@@ -117,7 +117,7 @@ fn is_result_of(directory: &Path, source: &Path) -> bool {
 
 fn described(run: &EarlierRun) -> String {
     let what = if run.is_mesh_alone { "run of the mesh alone" } else { "run" };
-    let time = run.time.map_or(String::new(), |time| format!(", t = {}", rounded(time)));
+    let time = run.time.map_or(String::new(), |time| format!(", t = {}", rounded_time(time)));
     match &run.reason {
         _ if run.completed => format!("a finished {what}{time}"),
         None => format!("an unfinished {what}{time}"),

@@ -242,7 +242,7 @@ impl fmt::Display for Told<'_> {
         }
         let percent = (100.0 * self.record.largest_share).max(0.1);
         let digits = if percent < 10.0 { 1 } else { 0 };
-        let since = crate::time::rounded(self.record.since);
+        let since = case::rounded_time(self.record.since);
         write!(f, " (normal Mach number {mach:.3}), on {percent:.digits$} % of it, since t = {since}")
     }
 }

@@ -94,6 +94,9 @@ pub struct DrawingArguments {
     /// Write a picture of this field at the last step, a PNG in the directory, instead of the page.
     #[arg(long, value_name = "FIELD", group = "drawing")]
     picture: Option<String>,
+    /// Write the movie as a GIF: larger and of 256 colours, for programs that do not play an animated PNG.
+    #[arg(long, requires = "movie")]
+    gif: bool,
     /// The window of the movie or picture: its name in the page, for instance "whole domain", a box `X0,Y0,X1,Y1`, or in three dimensions a plane
     /// such as `z=0.5`. `cut x` is its middle position in the page [default: the first window of the page].
     #[arg(long, value_name = "WINDOW", requires = "drawing", allow_hyphen_values = true)]
@@ -120,6 +123,7 @@ impl DrawingArguments {
             range: self.range,
             width: self.width.map(usize::from),
             without_edges: self.no_edges,
+            format: if self.gif { report::MovieFormat::Gif } else { report::MovieFormat::Png },
         };
         Some((scenario, self.picture.is_some()))
     }

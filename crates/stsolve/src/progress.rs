@@ -2,8 +2,9 @@
 
 use crate::cli::Verbosity;
 use crate::terminal::Terminal;
+use case::rounded_time;
 use indicatif::{ProgressBar, ProgressStyle};
-use simulation::{SlabDone, rounded};
+use simulation::SlabDone;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
@@ -44,7 +45,7 @@ impl Progress {
             display,
             terminal: terminal.clone(),
             start,
-            end: rounded(end),
+            end: rounded_time(end),
             begun: Instant::now(),
             before_slabs: OnceLock::new(),
         }

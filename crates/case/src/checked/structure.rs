@@ -1,18 +1,21 @@
 //! A structure.
 
+mod material;
+mod start;
+mod supports;
+
 use super::Time;
-use super::mesh_crate::{Mesh, NodeNumbering};
-use super::motion::check_start as check_at_rest;
+use super::mesh_crate::Mesh;
 use super::parts::SolidPart;
 use super::probes::check_name;
-use super::shared_nodes::{SharedNodes, nodes_on};
 use crate::checker::{Checked, Checker};
+use crate::error::{Errors, collected};
 use crate::expression::Program;
 use crate::key::Key;
-use crate::magnitude::is_bounded;
-use crate::raw::{self, Analysis, Damping, Plane, StructureBoundary, StructureLaw};
+use crate::raw::{self, Analysis, Damping, Plane, StructureLaw};
 use crate::vector::Vector;
-use std::collections::BTreeMap;
+use material::Material;
+use start::Start;
 
 /// An elastic body.
 #[derive(Clone, Debug, PartialEq)]
@@ -113,50 +116,41 @@ pub(super) fn check<const D: usize>(
     time: &Time,
 ) -> Checked<Structure<D>> {
     let key = Key::new("structure");
+    let mut errors = Errors::default();
     if part.is_some() {
-        check_beside_flow(checker, &key, raw)?;
+        errors.note(check_beside_flow(checker, &key, raw));
     }
     let mesh = part.as_ref().map_or(mesh, |part| &part.mesh);
-    let given = with_free_walls(raw, part.as_ref());
-    let vector = |name: &str, formulas: &Option<Vec<_>>| {
-        formulas.as_ref().map(|formulas| checker.formulas(&child(&key, name), formulas)).transpose()
+    let boundary = errors.note(supports::check(checker, &key, raw, part.as_ref(), mesh, time));
+    let start = errors.note(Start::check(checker, &key, raw, mesh, time.start));
+    // A static analysis starts in equilibrium with its supports.
+    if let (Some(boundary), Some(start), Analysis::Dynamic) = (&boundary, &start, raw.analysis) {
+        errors.note(start.check_walls(checker, part.as_ref(), boundary, mesh, time));
+    }
+    let material = errors.note(Material::check(checker, &key, raw, mesh));
+    let body_force = raw.body_force.as_ref();
+    let body_force = errors.note(body_force.map(|f| checker.formulas(&key.child("body_force"), f)).transpose());
+    let points = errors.note(points(checker, &key.child("points"), raw, mesh));
+    errors.all()?;
+    let (Some(boundary), Some(start), Some(material)) = (boundary, start, material) else {
+        unreachable!("what is missing has left an error")
     };
-    let named = checker.by_boundary(&key.child("boundary"), "support or load", &given, mesh.boundary_names())?;
-    let boundary: Vec<Support<D>> =
-        named.iter().map(|(key, boundary)| support(checker, key, boundary)).collect::<Checked<_>>()?;
-    let keys: Vec<Key> = named.into_iter().map(|(key, _)| key).collect();
-    let numbering = NodeNumbering::new(mesh, mesh.order());
-    let shared = SharedNodes { checker, mesh, numbering: &numbering, time: *time };
-    shared.check(&keys, &|index, _, x, t| boundary[index].prescribed(x, t))?;
-    check_walls(checker, part.as_ref(), &keys, &boundary)?;
-    let displacement = vector("initial.displacement", &raw.initial.displacement)?;
-    let velocity = vector("initial.velocity", &raw.initial.velocity)?;
-    for (name, given) in [("displacement", &displacement), ("velocity", &velocity)] {
-        check_finite(checker, &child(&key, "initial").child(name), name, given.as_ref(), mesh, time.start)?;
-    }
-    check_start_of_walls(checker, part.as_ref(), displacement.as_ref(), &shared)?;
-    match raw.analysis {
-        Analysis::Dynamic => check_start(checker, &boundary, displacement.as_ref(), &shared)?,
-        Analysis::Static => check_static(checker, &key, raw)?,
-    }
-    let (young_modulus, poisson_ratio, largest) = material(checker, &key, raw, mesh)?;
-    let points = points(checker, &key.child("points"), raw, mesh)?;
     Ok(Structure {
         part,
-        young_modulus,
-        poisson_ratio,
+        young_modulus: material.young_modulus,
+        poisson_ratio: material.poisson_ratio,
         law: raw.law,
-        damping: damping(checker, &key.child("damping"), raw)?,
-        density: density(checker, &key, raw)?,
+        damping: material.damping,
+        density: material.density,
         analysis: raw.analysis,
-        plane: plane::<D>(checker, &key, raw)?,
-        largest,
-        body_force: vector("body_force", &raw.body_force)?,
+        plane: material.plane,
+        largest: material.largest,
+        body_force: body_force.flatten(),
         boundary,
-        displacement,
-        velocity,
+        displacement: start.displacement,
+        velocity: start.velocity,
         natural_modes: raw.natural_modes,
-        points,
+        points: points.unwrap_or_default(),
     })
 }
 
@@ -175,201 +169,6 @@ fn check_beside_flow(checker: &Checker<'_>, key: &Key, raw: &raw::Structure) -> 
     Ok(())
 }
 
-/// The given boundaries. Walls to the flow are free unless they are named.
-fn with_free_walls<const D: usize>(
-    raw: &raw::Structure,
-    part: Option<&SolidPart<D>>,
-) -> BTreeMap<String, StructureBoundary> {
-    let mut given = raw.boundary.clone();
-    for wall in part.iter().flat_map(|part| part.wet_names()) {
-        given.entry(wall.clone()).or_insert(StructureBoundary::Free);
-    }
-    given
-}
-
-/// Walls to the flow have no support: the flow moves them.
-fn check_walls<const D: usize>(
-    checker: &Checker<'_>,
-    part: Option<&SolidPart<D>>,
-    keys: &[Key],
-    boundary: &[Support<D>],
-) -> Checked<()> {
-    let mut supported = part.iter().flat_map(|part| &part.wet).filter(|&&wall| boundary[wall].fixes() != [false; D]);
-    let Some(&wall) = supported.next() else { return Ok(()) };
-    let accepted = "\"free\", a load beside that of the flow, or no such key";
-    Err(checker.combination(&keys[wall], "the flow moves this wall", accepted))
-}
-
-/// E and nu, which must be in range at all nodes of the mesh, and their extremes there.
-fn material<const D: usize>(
-    checker: &Checker<'_>,
-    key: &Key,
-    raw: &raw::Structure,
-    mesh: &Mesh<D>,
-) -> Checked<(Program, Program, Largest)> {
-    let [key_young, key_poisson] = ["young_modulus", "poisson_ratio"].map(|name| key.child(name));
-    let young = checker.formula_of_position::<D>(&key_young, &raw.young_modulus)?;
-    let poisson = checker.formula_of_position::<D>(&key_poisson, &raw.poisson_ratio)?;
-    let mut largest = Largest { shear_modulus: 0.0, poisson_ratio: -1.0 };
-    for x in mesh.coordinates().chunks_exact(D) {
-        let [e, nu] = [&young, &poisson].map(|constant| constant.evaluate(x, 0.0));
-        checker.positive(&key_young, "Young's modulus", e)?;
-        checker.poisson_ratio(&key_poisson, nu)?;
-        largest.shear_modulus = largest.shear_modulus.max(0.5 * e / (1.0 + nu));
-        largest.poisson_ratio = largest.poisson_ratio.max(nu);
-    }
-    Ok((young, poisson, largest))
-}
-
-/// The density, which inertia needs.
-fn density(checker: &Checker<'_>, key: &Key, raw: &raw::Structure) -> Checked<Option<f64>> {
-    let key = key.child("density");
-    if let Some(density) = raw.density {
-        return Ok(Some(checker.positive(&key, "the density", density)?));
-    }
-    if raw.analysis == Analysis::Static && raw.natural_modes == 0 {
-        return Ok(None);
-    }
-    let accepted = "`density`, a mass per volume; or `analysis = \"static\"` without natural modes";
-    Err(checker.combination(&key, "missing key `density`: inertia needs one", accepted))
-}
-
-/// Plane strain or plane stress; neither in three dimensions.
-fn plane<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::Structure) -> Checked<Plane> {
-    if raw.plane.is_some() && D == 3 {
-        let problem = "`structure.plane` has no effect on a three-dimensional body";
-        return Err(checker.combination(&key.child("plane"), problem, "remove it"));
-    }
-    let plane = raw.plane.unwrap_or_default();
-    if plane == Plane::Stress && raw.law != StructureLaw::Linear {
-        let problem = "`structure.plane = \"stress\"` is for the linear law only";
-        return Err(checker.combination(&key.child("plane"), problem, "`plane = \"strain\"`, or `law = \"linear\"`"));
-    }
-    Ok(plane)
-}
-
-/// The damping, of a body that moves.
-fn damping(checker: &Checker<'_>, key: &Key, raw: &raw::Structure) -> Checked<Damping> {
-    for (name, value) in [("mass", raw.damping.mass), ("stiffness", raw.damping.stiffness)] {
-        let accepted = "a number that is not negative";
-        checker.require(&key.child(name), "the damping", value >= 0.0 && value.is_finite(), accepted)?;
-    }
-    if raw.analysis == Analysis::Static && raw.damping != Damping::default() {
-        let problem = "`structure.damping` has no effect on a static analysis";
-        return Err(checker.combination(key, problem, "remove it"));
-    }
-    Ok(raw.damping)
-}
-
-/// A static analysis has no initial motion.
-fn check_static(checker: &Checker<'_>, key: &Key, raw: &raw::Structure) -> Checked<()> {
-    for (name, given) in [("displacement", &raw.initial.displacement), ("velocity", &raw.initial.velocity)] {
-        if given.is_some() {
-            let problem = format!("`structure.initial.{name}` has no effect on a static analysis");
-            let accepted = "remove it: the body starts in equilibrium with its loads and supports";
-            return Err(checker.combination(&key.child("initial").child(name), &problem, accepted));
-        }
-    }
-    Ok(())
-}
-
-/// The key `a.b` below `key`.
-fn child(key: &Key, path: &str) -> Key {
-    path.split('.').fold(key.clone(), |key, name| key.child(name))
-}
-
-fn support<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &StructureBoundary) -> Checked<Support<D>> {
-    Ok(match raw {
-        StructureBoundary::Free => Support::Free,
-        StructureBoundary::Fixed => Support::Held([true; D]),
-        StructureBoundary::Held(axes) => {
-            let key = key.child("held");
-            checker.require(
-                &key,
-                "the list",
-                !axes.is_empty(),
-                "an axis or several; \"free\" where nothing holds it",
-            )?;
-            Support::Held(checker.axes(&key, axes)?)
-        }
-        StructureBoundary::Displacement(formulas) => {
-            Support::Moved(checker.formulas(&key.child("displacement"), formulas)?)
-        }
-        StructureBoundary::Traction(formulas) => Support::Traction(checker.formulas(&key.child("traction"), formulas)?),
-        StructureBoundary::Pressure(formula) => {
-            Support::Pressure(checker.formula::<D>(&key.child("pressure"), formula)?)
-        }
-        StructureBoundary::FollowerPressure(formula) => {
-            Support::FollowerPressure(checker.formula::<D>(&key.child("follower_pressure"), formula)?)
-        }
-    })
-}
-
-/// The motion at the `start` must have a value at every node.
-fn check_finite<const D: usize>(
-    checker: &Checker<'_>,
-    key: &Key,
-    name: &str,
-    given: Option<&Vector<D>>,
-    mesh: &Mesh<D>,
-    start: f64,
-) -> Checked<()> {
-    let Some(vector) = given else { return Ok(()) };
-    for (k, x) in mesh.coordinates().chunks_exact(D).enumerate() {
-        let x: [f64; D] = std::array::from_fn(|axis| x[axis]);
-        for (axis, value) in vector.evaluate(&x, start).into_iter().enumerate() {
-            let quantity = format!("the {name} in cell {} at {x:?}, {value},", k / mesh.nodes_per_cell());
-            checker.require_of_formula(
-                &key.entry(axis),
-                &quantity,
-                is_bounded(value),
-                "a formula that is finite everywhere, and at most 1e60",
-            )?;
-        }
-    }
-    Ok(())
-}
-
-/// At the start the body must be at its supports, up to round-off of the size of the mesh.
-fn check_start<const D: usize>(
-    checker: &Checker<'_>,
-    boundary: &[Support<D>],
-    displacement: Option<&Vector<D>>,
-    SharedNodes { mesh, numbering, time, .. }: &SharedNodes<'_, D>,
-) -> Checked<()> {
-    for (index, support) in boundary.iter().enumerate() {
-        for (_, x) in nodes_on(mesh, numbering, index) {
-            let d = displacement.map_or([0.0; D], |displacement| displacement.evaluate(&x, time.start));
-            let g = support.prescribed(&x, time.start);
-            let apart = |i: &usize| g[*i].is_some_and(|g| (d[*i] - g).abs() > 1e-12 * mesh.diameter());
-            if let Some(i) = (0..D).find(apart) {
-                let (name, d, g) = (&mesh.boundary_names()[index], d[i], g[i].unwrap_or(0.0));
-                let problem =
-                    format!("the displacement at the start, {d:e} at {x:?}, is not that of boundary `{name}`, {g:e}");
-                let accepted = "an initial displacement that is that of the supports";
-                return Err(checker.combination(&Key::new("structure.initial.displacement"), &problem, accepted));
-            }
-        }
-    }
-    Ok(())
-}
-
-/// The mesh of the flow starts at rest, and so do the walls that it shares with the structure.
-fn check_start_of_walls<const D: usize>(
-    checker: &Checker<'_>,
-    part: Option<&SolidPart<D>>,
-    displacement: Option<&Vector<D>>,
-    SharedNodes { mesh, numbering, time, .. }: &SharedNodes<'_, D>,
-) -> Checked<()> {
-    let (Some(part), Some(displacement)) = (part, displacement) else { return Ok(()) };
-    let key = Key::new("structure.initial.displacement");
-    for (_, x) in part.wet.iter().flat_map(|wall| nodes_on(mesh, numbering, *wall)) {
-        let d = displacement.evaluate(&x, time.start);
-        check_at_rest(checker, |axis| key.entry(axis), &x, &d, time.start, mesh.diameter())?;
-    }
-    Ok(())
-}
-
 fn points<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
@@ -383,5 +182,5 @@ fn points<const D: usize>(
         checker.require(&key, "the point", mesh.locate(&x).is_some(), "a point inside the mesh, or on its boundary")?;
         Ok((name.clone(), x))
     };
-    raw.points.iter().map(point).collect()
+    collected(raw.points.iter().map(point))
 }

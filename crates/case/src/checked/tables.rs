@@ -71,7 +71,13 @@ fn read(checker: &Checker<'_>, key: &Key, file: &Path, column: Option<&Column>) 
     while head().is_some() {}
     let column = column.map_or(Ok(1), |column| place(checker, &key.child("column"), column, &names))?;
     let (mut t, mut values) = (Vec::new(), Vec::new());
+    let mut first: Option<[usize; 2]> = None;
     for (line, entries) in lines {
+        let [first_line, expected] = *first.get_or_insert([line, entries.len()]);
+        if entries.len() != expected {
+            let (found, entries) = (entries.join(", "), entries.len());
+            return Err(refused(Cause::Ragged { path, line, found, entries, expected, first_line }));
+        }
         let number = |index: usize| entries.get(index).and_then(|entry| number(entry));
         let (Some(time), Some(value)) = (number(0), number(column)) else {
             let found = entries.join(", ");

@@ -1,6 +1,7 @@
 //! The time to cover, and the output.
 
 use crate::checker::{Checked, Checker};
+use crate::clock::rounded_time;
 use crate::error::Errors;
 use crate::key::Key;
 use crate::raw::{self, Field, Integral};
@@ -31,7 +32,9 @@ const CHECK_TIMES: [f64; 5] = [0.0, 0.236068, 0.618034, 0.854102, 1.0];
 impl Time {
     /// Times of the run at which formulas are checked, including its ends.
     pub(super) fn check_times(&self) -> [f64; 5] {
-        CHECK_TIMES.map(|part| (1.0 - part) * self.start + part * self.end)
+        // Messages show them, so those between the ends have few digits.
+        let readable = |t: f64| if t == self.end { t } else { rounded_time(t).clamp(self.start, self.end) };
+        CHECK_TIMES.map(|part| readable((1.0 - part) * self.start + part * self.end))
     }
 
     /// The slabs.

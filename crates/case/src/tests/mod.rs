@@ -350,6 +350,18 @@ fn the_start_of_a_structure_is_finite() {
     }
 }
 
+/// Independent errors of a structure are told together.
+#[test]
+fn all_errors_of_a_structure_are_told() {
+    let text = "[mesh]\norder = 2\ngenerate.box = { lower = [0,0], upper = [1,1], cells = [1,1] }\n[time]\norder = 1\nend = 1\nslabs = 1\n\
+                [structure]\nyoung_modulus = -1\npoisson_ratio = 0.3\nboundary.others = \"free\"\n\
+                initial.displacement = [\"a\", 0]\npoints.tip = [7, 0]\n";
+    let message = check_text(text, &[]).unwrap_err().to_string();
+    for part in ["structure.young_modulus = -1", "`density`", "unknown name `a`", "structure.points.tip"] {
+        assert!(message.contains(part), "no {part} in:\n{message}");
+    }
+}
+
 /// Keys of structures that exclude each other, and numbers out of range.
 #[test]
 fn laws_and_damping_of_a_structure() {

@@ -47,6 +47,7 @@ fn a_table_may_be_a_file() {
         (header, "column = \"heav\"", ["unknown column `heav`", "did you mean `heave`"]),
         (header, "", ["the displacement at the start", "`[tables]`"]),
         ("0, 0\n1, x\n", "", ["way.csv:2: no numbers in columns 1 and 2 of `1, x`", "separated by semicolons"]),
+        ("0, 0\n\n1, 2, 3\n", "", ["way.csv:3: 3 entries in `1, 2, 3`, but 2 in line 1", "the same number"]),
         ("0, 0\n", "", ["1 points", "needs 2"]),
         ("1, 0\n0, 0\n", "", ["times must increase", "0 follows 1"]),
     ] {

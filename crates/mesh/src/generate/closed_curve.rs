@@ -35,6 +35,7 @@ impl ClosedCurve {
             check.positive("the distance of two points that follow each other", length)?;
             knots.push(knots[i] + length);
         }
+        check.that(sharpest_corner(&points) == 0.0, CORNER, sharpest_corner(&points), SMOOTH)?;
         let bends = bends(&knots, &points);
         let bends = check_bends(bends, check)?;
         Ok(ClosedCurve { knots, points, bends })
@@ -96,6 +97,30 @@ struct Piece {
     b: f64,
     ends: [[f64; 2]; 2],
     bends: [[f64; 2]; 2],
+}
+
+/// A corner, for messages.
+const CORNER: &str = "the turn at a point whose neighbours lie on nearly straight parts, in degrees,";
+const SMOOTH: &str =
+    "no such point: a spline bulges beside a corner; round it by several points, or bring a file of Gmsh";
+
+/// A corner turns by more than this, in degrees, and by this many times more than its two neighbours.
+const LEAST_TURN: f64 = 60.0;
+const SHARPER: f64 = 10.0;
+
+/// The turn of the polygon at its sharpest corner, in degrees; zero without a corner.
+fn sharpest_corner(points: &[[f64; 2]]) -> f64 {
+    let n = points.len();
+    let edge = |i: usize| -> [f64; 2] { from_fn(|axis| points[(i + 1) % n][axis] - points[i % n][axis]) };
+    let turn = |i: usize| {
+        let ([a, b], [c, d]) = (edge(i + n - 1), edge(i));
+        (a * d - b * c).atan2(a * c + b * d).abs().to_degrees()
+    };
+    let is_corner = |i: &usize| {
+        let beside = turn(i + n - 1).max(turn(i + 1));
+        turn(*i) > LEAST_TURN && turn(*i) > SHARPER * beside
+    };
+    (0..n).filter(is_corner).map(turn).max_by(f64::total_cmp).unwrap_or(0.0)
 }
 
 /// The second derivatives that make the first ones continuous, with h_i from point i to the next:
@@ -175,6 +200,19 @@ mod tests {
                 assert!((0..2).all(|i| (before[i] - after[i]).abs() < 1e-7), "{before:?} {after:?}");
             }
         }
+    }
+
+    /// A spline through the points of a square bulges beside its corners; thin ellipses are smooth, even with few points.
+    #[test]
+    fn corners_are_refused() {
+        let side = |k: usize| -1.0 + 0.2 * k as f64;
+        let sides = (0..10).map(|k| [side(k), -1.0]).chain((0..10).map(|k| [1.0, side(k)]));
+        let square: Vec<[f64; 2]> =
+            sides.chain((0..10).map(|k| [-side(k), 1.0])).chain((0..10).map(|k| [-1.0, -side(k)])).collect();
+        let message = ClosedCurve::through(&square).unwrap_err().to_string();
+        assert!(message.contains("in degrees, is 90"), "{message}");
+        let thin: Vec<[f64; 2]> = ellipse(40).into_iter().map(|[x, y]| [x, 0.1 * y]).collect();
+        assert!(ClosedCurve::through(&thin).is_ok());
     }
 
     #[test]

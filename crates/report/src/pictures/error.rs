@@ -45,4 +45,7 @@ pub enum PictureError {
     /// A picture cannot be encoded.
     #[error("a picture cannot be encoded: {0}")]
     Png(#[from] png::EncodingError),
+    /// A movie cannot be encoded as a GIF.
+    #[error("a GIF cannot be encoded: {0}")]
+    Gif(#[from] gif::EncodingError),
 }

@@ -1,5 +1,6 @@
 //! Pictures of the fields at some of the steps of a result file, drawn from the exact coefficients.
 
+mod animation;
 mod average;
 mod budget;
 mod canvas;
@@ -29,6 +30,7 @@ mod view;
 mod wall;
 mod window;
 
+pub use animation::MovieFormat;
 pub use colour::{ColourMap, css};
 pub use cuts::Cut;
 pub use error::PictureError;

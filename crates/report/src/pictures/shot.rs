@@ -1,5 +1,6 @@
 //! A frame of a movie: the picture with its title, its colours and their numbers.
 
+use super::animation::MovieFormat;
 use super::canvas::Canvas;
 use super::colour::Colour;
 use super::drawn::Drawn;
@@ -27,6 +28,8 @@ pub struct Scenario<'a> {
     pub width: Option<usize>,
     /// Whether the edges of the cells are left out.
     pub without_edges: bool,
+    /// The kind of the file.
+    pub format: MovieFormat,
 }
 
 /// All that the frames of a movie have in common.

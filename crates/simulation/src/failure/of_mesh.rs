@@ -3,7 +3,7 @@
 use super::data::{Attempt, FailureData, GaveUp, Mesh, Motion, Undefined};
 use super::finding::{Finding, WorstCell, most_squeezed, squeezed};
 use super::grid::Grid;
-use crate::time::rounded;
+use case::rounded_time;
 use case::{Case, Stiffness};
 use coupled::{Interval, MarchError, MeshMover, MeshQuality, MeshReport, State};
 
@@ -84,7 +84,7 @@ pub fn examine<const D: usize>(case: &Case<D>, mover: &MeshMover<D>, state: &Sta
     let whole = Interval { start: state.time, end: state.time + case.time.step, halvings: 0 };
     let interval = error.downcast_ref::<MarchError>().map_or(whole, |error| error.interval);
     let (cell, smallest) = most_squeezed(&grid, &state.d);
-    let because = format!("det J / det J_0 is {smallest:.3e} there at t = {}, the smallest", rounded(state.time));
+    let because = format!("det J / det J_0 is {smallest:.3e} there at t = {}, the smallest", rounded_time(state.time));
     Finding {
         data: data(GaveUp::Equilibrium, state.slab, interval, mesh(case, mover, &grid, &state.d, interval)),
         residuals: Vec::new(),
@@ -113,7 +113,7 @@ pub fn examine_inverted<const D: usize>(
 
 /// The worst cell of a slab, on the mesh displaced by `d` at the time of `quality`.
 pub fn inverted<const D: usize>(grid: &Grid<D>, d: &[f64], quality: &MeshQuality) -> WorstCell {
-    let because = format!("det J / det J_0 is {:.3e} there at t = {}", quality.sampled_min, rounded(quality.time));
+    let because = format!("det J / det J_0 is {:.3e} there at t = {}", quality.sampled_min, rounded_time(quality.time));
     squeezed(grid, d, quality.cell, because)
 }
 

@@ -2,9 +2,8 @@
 //!
 //! The order of elimination of the whole mesh goes from block to block and back. The depth of a cell is the largest number of cuts on a way
 //! to it that the order follows. With a stage for every depth, blocks wait for each other and keep the order exactly. With fewer, depths
-//! are joined into groups. In a group, cells are visited in the order of elimination. A cell takes the stage of its earlier neighbours in
-//! its block, or one more if an earlier neighbour in another block has that stage. Where this leads to a third stage, the order is given up
-//! for the cell: it takes the first stage that no earlier neighbour in another block has.
+//! are joined into groups. In a group the cells at cuts come after the others, in colours: neighbours in different blocks have different
+//! ones. So all blocks work at the same time on most of their cells.
 
 use super::graph::Graph;
 use std::collections::BTreeSet;
@@ -35,23 +34,15 @@ fn depths(graph: &Graph, order: &[usize], position: &[usize]) -> Vec<usize> {
     depths
 }
 
-/// The stage of every cell in its group.
+/// The stage of every cell in its group: 0 for a cell whose neighbours in the group lie in its block. A cell at a cut takes the first stage
+/// that no earlier neighbour in another block has.
 fn within_groups(graph: &Graph, order: &[usize], position: &[usize], group: &[usize]) -> Vec<usize> {
     let mut stages = vec![0; order.len()];
     for &cell in order {
         let is_earlier = |other: usize| position[other] < position[cell] && group[other] == group[cell];
-        let earlier = || graph.edges[cell].iter().filter(|edge| is_earlier(edge.cell));
-        let taken: Vec<usize> =
-            earlier().filter(|edge| graph.is_cut(cell, edge)).map(|edge| stages[edge.cell]).collect();
-        let free = |mut stage: usize| {
-            while taken.contains(&stage) {
-                stage += 1;
-            }
-            stage
-        };
-        let lowest = earlier().filter(|edge| !graph.is_cut(cell, edge)).map(|edge| stages[edge.cell]).max();
-        let kept = free(lowest.unwrap_or(0));
-        stages[cell] = if kept > 1 { free(0) } else { kept };
+        let across = graph.edges[cell].iter().filter(|edge| is_earlier(edge.cell) && graph.is_cut(cell, edge));
+        let taken: Vec<usize> = across.map(|edge| stages[edge.cell]).collect();
+        stages[cell] = (0..).find(|stage| !taken.contains(stage)).unwrap_or(0);
     }
     stages
 }
@@ -111,6 +102,17 @@ mod tests {
             let used: BTreeSet<usize> = stages.iter().copied().collect();
             assert!(used.into_iter().eq(0..=stages.iter().copied().max().unwrap_or(0)));
         }
+    }
+
+    /// Blocks wait for each other only while they eliminate the cells of later stages, which lie at cuts.
+    #[test]
+    fn all_blocks_begin_with_the_cells_inside_of_them() {
+        let graph = lattice(12, 4);
+        let stages = stages(&graph, &eliminate(&graph), 1);
+        let inside = |cell: usize| graph.edges[cell].iter().all(|edge| !graph.is_cut(cell, edge));
+        assert!((0..144).filter(|&cell| inside(cell)).all(|cell| stages[cell] == 0));
+        let later = stages.iter().filter(|&&stage| stage > 0).count();
+        assert!(later < 144 / 3, "{later} cells in later stages");
     }
 
     #[test]

@@ -89,11 +89,15 @@ fn area_and_centroid_are_those_of_the_body() {
     let (area, centre) = Outline::new(&ClosedCurve::through(&points).unwrap()).area_and_centroid();
     assert!((area - TAU).abs() < 1e-7, "{area}");
     assert!((centre[0] - 0.3).abs() < 1e-12 && (centre[1] + 0.2).abs() < 1e-12, "{centre:?}");
-    let arc = (0..=300).map(|k| TAU * f64::from(k) / 600.0).map(|a| [a.cos() + 5.0, a.sin()]);
-    let base = (1..200).map(|k| [4.0 + 0.01 * f64::from(k), 0.0]);
-    let half = ClosedCurve::through(&arc.chain(base).collect::<Vec<_>>()).unwrap();
-    let centre = Outline::new(&half).centre;
-    assert!((centre[0] - 5.0).abs() < 1e-4 && (centre[1] - 8.0 / (3.0 * TAU)).abs() < 1e-3, "{centre:?}");
+    // r = 1 + e cos a about (5, 0) has the centroid (e + e^3 / 4) / (1 + e^2 / 2) to the right.
+    let e: f64 = 0.3;
+    let points = (0..600).map(|k| TAU * f64::from(k) / 600.0).map(|a| {
+        let r = 1.0 + e * a.cos();
+        [5.0 + r * a.cos(), r * a.sin()]
+    });
+    let centre = Outline::new(&ClosedCurve::through(&points.collect::<Vec<_>>()).unwrap()).centre;
+    let exact = 5.0 + (e + 0.25 * e.powi(3)) / (1.0 + 0.5 * e * e);
+    assert!((centre[0] - exact).abs() < 1e-7 && centre[1].abs() < 1e-12, "{centre:?} {exact}");
 }
 
 /// The area within the edges of the wall. Their nodes lie close to those of Gauss and Lobatto, so the area gains twice the degree.
