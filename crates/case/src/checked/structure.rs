@@ -5,9 +5,10 @@ mod start;
 mod supports;
 
 use super::Time;
-use super::mesh_crate::Mesh;
+use super::mesh_crate::{Mesh, NodeNumbering};
 use super::parts::SolidPart;
 use super::probes::check_name;
+use super::shared_nodes::SharedNodes;
 use crate::checker::{Checked, Checker};
 use crate::error::{Errors, collected};
 use crate::expression::Program;
@@ -121,11 +122,13 @@ pub(super) fn check<const D: usize>(
         errors.note(check_beside_flow(checker, &key, raw));
     }
     let mesh = part.as_ref().map_or(mesh, |part| &part.mesh);
-    let boundary = errors.note(supports::check(checker, &key, raw, part.as_ref(), mesh, time));
+    let numbering = NodeNumbering::new(mesh, mesh.order());
+    let shared = SharedNodes { checker, mesh, numbering: &numbering, time: *time };
+    let boundary = errors.note(supports::check(&shared, &key, raw, part.as_ref()));
     let start = errors.note(Start::check(checker, &key, raw, mesh, time.start));
     // A static analysis starts in equilibrium with its supports.
     if let (Some(boundary), Some(start), Analysis::Dynamic) = (&boundary, &start, raw.analysis) {
-        errors.note(start.check_walls(checker, part.as_ref(), boundary, mesh, time));
+        errors.note(start.check_walls(&shared, part.as_ref(), boundary));
     }
     let material = errors.note(Material::check(checker, &key, raw, mesh));
     let body_force = raw.body_force.as_ref();

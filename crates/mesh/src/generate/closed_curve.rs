@@ -35,7 +35,8 @@ impl ClosedCurve {
             check.positive("the distance of two points that follow each other", length)?;
             knots.push(knots[i] + length);
         }
-        check.that(sharpest_corner(&points) == 0.0, CORNER, sharpest_corner(&points), SMOOTH)?;
+        let corner = sharpest_corner(&points);
+        check.that(corner == 0.0, CORNER, corner, SMOOTH)?;
         let bends = bends(&knots, &points);
         let bends = check_bends(bends, check)?;
         Ok(ClosedCurve { knots, points, bends })

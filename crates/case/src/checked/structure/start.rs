@@ -1,10 +1,10 @@
 //! The displacement and the velocity of a structure at the start.
 
-use super::super::mesh_crate::{Mesh, NodeNumbering};
+use super::super::mesh_crate::Mesh;
 use super::super::motion::check_start as check_at_rest;
 use super::super::parts::SolidPart;
 use super::super::shared_nodes::{SharedNodes, nodes_on};
-use super::{Support, Time};
+use super::Support;
 use crate::checker::{Checked, Checker};
 use crate::error::Errors;
 use crate::key::Key;
@@ -43,16 +43,12 @@ impl<const D: usize> Start<D> {
     /// At the start the structure must be at its supports, and the walls to the flow must be at rest.
     pub(super) fn check_walls(
         &self,
-        checker: &Checker<'_>,
+        shared: &SharedNodes<'_, D>,
         part: Option<&SolidPart<D>>,
         boundary: &[Support<D>],
-        mesh: &Mesh<D>,
-        time: &Time,
     ) -> Checked<()> {
-        let numbering = NodeNumbering::new(mesh, mesh.order());
-        let shared = SharedNodes { checker, mesh, numbering: &numbering, time: *time };
-        check_start_of_walls(checker, part, self.displacement.as_ref(), &shared)?;
-        check_start(checker, boundary, self.displacement.as_ref(), &shared)
+        check_start_of_walls(shared.checker, part, self.displacement.as_ref(), shared)?;
+        check_start(shared.checker, boundary, self.displacement.as_ref(), shared)
     }
 }
 

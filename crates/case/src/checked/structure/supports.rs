@@ -1,30 +1,26 @@
 //! The supports and loads of a structure.
 
-use super::super::mesh_crate::{Mesh, NodeNumbering};
 use super::super::parts::SolidPart;
 use super::super::shared_nodes::SharedNodes;
-use super::{Support, Time};
+use super::Support;
 use crate::checker::{Checked, Checker};
 use crate::error::collected;
 use crate::key::Key;
 use crate::raw::{self, StructureBoundary};
 use std::collections::BTreeMap;
 
-/// Each boundary of the `mesh` of the structure, in the order of `Mesh::boundary_names`.
+/// Each boundary of the mesh of the structure, in the order of `Mesh::boundary_names`.
 pub(super) fn check<const D: usize>(
-    checker: &Checker<'_>,
+    shared: &SharedNodes<'_, D>,
     key: &Key,
     raw: &raw::Structure,
     part: Option<&SolidPart<D>>,
-    mesh: &Mesh<D>,
-    time: &Time,
 ) -> Checked<Vec<Support<D>>> {
+    let SharedNodes { checker, mesh, .. } = *shared;
     let given = with_free_walls(raw, part);
     let named = checker.by_boundary(&key.child("boundary"), "support or load", &given, mesh.boundary_names())?;
     let boundary: Vec<Support<D>> = collected(named.iter().map(|(key, boundary)| support(checker, key, boundary)))?;
     let keys: Vec<Key> = named.into_iter().map(|(key, _)| key).collect();
-    let numbering = NodeNumbering::new(mesh, mesh.order());
-    let shared = SharedNodes { checker, mesh, numbering: &numbering, time: *time };
     shared.check(&keys, &|index, _, x, t| boundary[index].prescribed(x, t))?;
     check_walls(checker, part, &keys, &boundary)?;
     Ok(boundary)
