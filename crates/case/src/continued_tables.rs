@@ -52,10 +52,11 @@ impl fmt::Display for LongerTable {
                 "the table `{name}` has new points, and formulas take it at more than the present time `t`"
             );
         }
+        let points = if *points_between == 1 { "point" } else { "points" };
         write!(
             f,
             "the new points of the table `{name}` change its spline before the checkpoint at t = {reached} too: the table ended at \
-             t = {end}, {points_between} points after the checkpoint, and about {POINTS_BEFORE_END} are needed"
+             t = {end}, {points_between} {points} after the checkpoint, and about {POINTS_BEFORE_END} are needed"
         )
     }
 }

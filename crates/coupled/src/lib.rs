@@ -23,6 +23,7 @@
 mod balance;
 pub mod block;
 pub mod blocks;
+mod clock;
 mod coupled_slab;
 mod initial;
 mod lagged_preconditioner;
@@ -45,6 +46,7 @@ mod transfer;
 pub mod weights;
 
 pub use blocks::{Counts, totals};
+pub use clock::rounded_time;
 pub use coupled_slab::{CoupledSlab, FlowMarch, Jacobian, Predictor, ROUND_OFF, Settings, SlabReport};
 pub use initial::interpolate;
 pub use lagged_preconditioner::{LaggedPreconditioner, Linearisation, Method, Update};

@@ -1,5 +1,6 @@
 //! Why a slab, or a run, could not be solved.
 
+use crate::clock::rounded_time;
 use crate::mesh_mover::MeshQuality;
 use crate::state::{Interval, State};
 use crate::system::ResidualBreakdown;
@@ -93,7 +94,11 @@ fn largest_in(residual_breakdown: Option<&ResidualBreakdown>) -> String {
 
 /// The run stops: the smallest slab allowed could not be solved either.
 #[derive(Debug, thiserror::Error)]
-#[error("slab {slab}, t = {} to {}, could not be solved, halved {halvings} times", interval.start, interval.end)]
+#[error(
+    "slab {slab}, t = {} to {}, could not be solved, halved {halvings} times",
+    rounded_time(interval.start),
+    rounded_time(interval.end)
+)]
 pub struct MarchError {
     /// The number of the slab.
     pub slab: usize,

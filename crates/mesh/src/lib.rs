@@ -48,6 +48,7 @@
 mod arcs;
 mod blocks;
 mod boundary;
+mod cross_section;
 mod distance;
 mod errors;
 mod facet;
@@ -69,6 +70,7 @@ mod validity;
 
 pub use blocks::blocks;
 pub use boundary::outward_area;
+pub use cross_section::{CrossSection, LineNode, Stack, clusters};
 pub use distance::BoundaryDistance;
 pub use errors::MeshError;
 pub use facet::{

@@ -217,6 +217,11 @@ impl<T: Real, const D: usize> Stresses<T, D> {
     }
 }
 
+/// (tau) in the state `state` with the velocity gradient `w_grad[i][j]` = w_j,i, `[i][j]`.
+pub fn viscous_stress<const D: usize>(gas: &Gas, state: &Primitive<f64, D>, w_grad: &[[f64; D]; D]) -> [[f64; D]; D] {
+    stress(gas.dynamic_viscosity(gas.temperature(state.density, state.pressure)), w_grad)
+}
+
 /// (tau), with `w_grad[i][j]` = w_j,i.
 #[inline(always)]
 fn stress<T: Real, const D: usize>(mu: T, w_grad: &[[T; D]; D]) -> [[T; D]; D] {

@@ -68,6 +68,7 @@ pub use boundary::{
 };
 pub use error::InvalidParameter;
 pub use exact::{Exact, ExactState};
+pub use flux::viscous_stress;
 pub use forces::{Coefficients, ForceScales, WallForce};
 pub use gas::{Gas, Viscosity};
 pub use law::{Compiled, NavierStokes};

@@ -5,6 +5,9 @@ use super::document::missing;
 use super::groups::Scale;
 use super::html::escaped;
 
+/// Values of this size are round-off, such as the heat that an adiabatic wall takes.
+const ROUND_OFF: f64 = 1e-13;
+
 /// A chart: curves that share their axes.
 pub struct Chart {
     /// Its title.
@@ -18,10 +21,11 @@ pub struct Chart {
 }
 
 impl Chart {
-    /// Whether there are numbers, and all of them are zero.
+    /// Whether there are numbers, and all of them are zero. Where the scale is linear, round-off is zero.
     fn is_zero(&self) -> bool {
         let values = || self.curves.iter().flat_map(|curve| &curve.values);
-        values().next().is_some() && values().all(|value| *value == 0.0)
+        let largest = if self.scale == Scale::Linear { ROUND_OFF } else { 0.0 };
+        values().next().is_some() && values().all(|value| value.abs() <= largest)
     }
 
     /// The figure with its legend, and space for values that a script inserts. `None` if there is no number to draw.
@@ -77,7 +81,7 @@ mod tests {
 
     #[test]
     fn charts_of_zeros_are_named() {
-        let page = arranged(&[of("lift", false, 1.0), of("heat & work", false, 0.0), of("repairs", true, 0.0)]);
+        let page = arranged(&[of("lift", false, 1.0), of("heat & work", false, 3e-19), of("repairs", true, 0.0)]);
         assert_eq!(page.matches("<figure").count(), 1);
         assert!(page.contains("Zero at all times: heat &amp; work; repairs.") && !page.contains("details"), "{page}");
     }

@@ -178,7 +178,11 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     let session = Session::start(destination, observer, begun)?;
     // Checked once more, now that no other run can write there.
     let is_mesh_alone = case.flow.is_none() && case.structure.is_none();
-    occupied::check(destination, observer, Beginning { source: case.restart.as_deref(), is_mesh_alone })?;
+    occupied::check(
+        destination,
+        observer,
+        Beginning { source: case.restart.as_deref(), case: &case.about.resolved, is_mesh_alone },
+    )?;
     let (mut recorder, resumed) =
         Recorder::<D, M>::start(&session, case, mesh, destination.is_resumed(), origin_state)?;
     origin.iter().flat_map(|start| &start.warnings).for_each(|warning| tracing::warn!("{warning}"));

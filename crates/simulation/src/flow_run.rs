@@ -1,6 +1,6 @@
 //! Mesh and flow.
 
-use super::averages::{AverageSums, FlowAverages, PhaseFile};
+use super::averages::{AlongFiles, AverageSums, FlowAverages, PhaseFile};
 use super::bodies::is_of_body;
 use super::body_record::BodyRecord;
 use super::context::{RunContext, Stop};
@@ -159,16 +159,22 @@ where
     fn average(&self, sums: &mut AverageSums) {
         if let (Some(wanted), Some(past)) = (&self.case.averages, &self.state().past) {
             let (layout, gas) = (self.operator().layout, &self.flow.law.gas);
-            FlowAverages { wanted, layout, gas }.add::<D, M>(past, sums);
+            let mover = &self.march.solver.system.mesh.mover;
+            FlowAverages { wanted, mover, layout, order: self.flow.order, gas }.add::<M>(past, sums);
         }
     }
 
-    /// Writes the averages over phases, if the case asks for them.
-    fn write_phases(&self, directory: &Path, sums: &AverageSums) -> anyhow::Result<()> {
+    /// Writes the averages over phases and along axes, if the case asks for them.
+    fn write_averages(&self, directory: &Path, sums: &AverageSums) -> anyhow::Result<()> {
         let Some(wanted) = &self.case.averages else { return Ok(()) };
-        let Some(phases) = wanted.phases else { return Ok(()) };
         let (mover, order) = (&self.march.solver.system.mesh.mover, self.flow.order);
-        Ok(PhaseFile { wanted, sums, mover, order }.write(directory, phases)?)
+        if let Some(phases) = wanted.phases {
+            PhaseFile { wanted, sums, mover, order }.write(directory, phases)?;
+        }
+        if let Some(files) = AlongFiles::new(wanted, sums, &mover.reference, order) {
+            files.write(directory)?;
+        }
+        Ok(())
     }
 
     /// Writes the distributions along walls: those of the series in the result, and last that of the present state.
@@ -388,7 +394,7 @@ where
     }
 
     fn leave(&self, directory: &Path, statistics: &RunStatistics) -> anyhow::Result<()> {
-        self.write_phases(directory, &statistics.averages)?;
+        self.write_averages(directory, &statistics.averages)?;
         self.write_surfaces(directory)
     }
 

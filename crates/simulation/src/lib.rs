@@ -182,7 +182,7 @@ pub use crew::{agree, serve};
 pub use destination::{Destination, Existing};
 pub use drive::{motion, run, run_on};
 pub use error::Failure;
-pub use memory_estimate::{MemoryEstimate, require_memory, typical_iterations};
+pub use memory_estimate::{MemoryEstimate, PROGRAM_BYTES, require_memory, typical_iterations};
 pub use observer::{NextStep, Observer, Positions, RunState, SlabDone};
 pub use openings::{Misuse, Record as OpeningRecord, Seen as OpeningSeen};
 pub use preflight::Preflight;

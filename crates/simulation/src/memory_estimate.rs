@@ -2,6 +2,7 @@
 
 mod mesh;
 
+use crate::averages::Moments;
 use crate::error::Failure;
 use case::memory;
 use case::{Case, Flow, Preconditioner};
@@ -16,7 +17,7 @@ pub fn typical_iterations<const D: usize>(case: &Case<D>) -> usize {
 
 /// The memory of the program for a small case: its code, libraries, and the buffers of the result file. It is 28 to 41 MB on the machines
 /// where it was measured.
-const PROGRAM: usize = 37_000_000;
+pub const PROGRAM_BYTES: usize = 37_000_000;
 
 /// The number of vectors as long as the unknowns of the flow in a slab, without those of the linear solver: states, residuals and
 /// increments of Newton's method, traces of the operator.
@@ -53,6 +54,8 @@ pub struct MemoryEstimate {
     pub most_krylov: usize,
     /// The mesh, by its order, and its solver.
     pub mesh: usize,
+    /// The sums of averages over time.
+    pub averages: usize,
     /// The memory of the search for the steady flow, if the run begins with it. Its preconditioner is freed before that of the slabs is
     /// allocated.
     pub steady: Option<usize>,
@@ -89,6 +92,7 @@ impl MemoryEstimate {
             steady: case.solver.steady.map(|_| vectors / time_order + steady_preconditioner(case)),
             most_krylov: vector * krylov_vectors(restart),
             mesh: mesh::bytes(case) + geometry(case),
+            averages: averages(case),
         }
     }
 
@@ -106,6 +110,7 @@ impl MemoryEstimate {
             vectors: whole.vectors / ranks + of_flow,
             most_krylov: whole.most_krylov / ranks,
             mesh: whole.mesh,
+            averages: if rank == 0 { whole.averages } else { 0 },
             steady: whole.steady.filter(|_| rank == 0),
         }
     }
@@ -113,7 +118,7 @@ impl MemoryEstimate {
     /// The largest memory of a typical run.
     pub fn peak(&self) -> usize {
         let slab = self.jacobian + self.factors + self.vectors;
-        PROGRAM + self.mesh + slab.max(self.steady.unwrap_or(0))
+        PROGRAM_BYTES + self.averages + self.mesh + slab.max(self.steady.unwrap_or(0))
     }
 }
 
@@ -129,6 +134,13 @@ pub fn require_memory<const D: usize>(case: &Case<D>, rank: usize, ranks: usize)
         "the run does not fit into memory: {shortage}; fewer cells or a lower `flow.order` need less, and so does `solver.preconditioner = \
          \"low_order\"`; `stsolve check` tells the parts"
     )))
+}
+
+/// The sums and offsets of averages at all nodes of the flow.
+fn averages<const D: usize>(case: &Case<D>) -> usize {
+    let (Some(averages), Some(flow)) = (&case.averages, &case.flow) else { return 0 };
+    let (moments, phases) = (Moments::new::<D>(&averages.fields), averages.phases.map_or(1, |phases| phases.count));
+    8 * case.mesh.n_cells() * flow.order.pow(D as u32) * (phases * moments.len() + moments.quantities.len())
 }
 
 fn is_viscous<const D: usize>(flow: &case::Flow<D>) -> bool {

@@ -6,7 +6,7 @@ use crate::error::Failure;
 use crate::observer::{NextStep, Observer};
 use case::AnyCase;
 use case::rounded_time;
-use output::{EarlierRun, RESULT_FILE, RunDirectory};
+use output::{EarlierRun, RESULT_FILE, ResultReader, RunDirectory};
 use std::path::{Path, PathBuf};
 
 /// The largest number of characters in a message of the reason why a run stopped.
@@ -51,6 +51,8 @@ pub enum OccupiedError {
 pub struct Beginning<'a> {
     /// The result or the directory of the run from which it starts.
     pub source: Option<&'a Path>,
+    /// Its resolved case.
+    pub case: &'a str,
     /// Whether it moves the mesh alone.
     pub is_mesh_alone: bool,
 }
@@ -62,7 +64,7 @@ impl<'a> Beginning<'a> {
             AnyCase::Plane(case) => case.flow.is_none() && case.structure.is_none(),
             AnyCase::Space(case) => case.flow.is_none() && case.structure.is_none(),
         };
-        Beginning { source: case.restart(), is_mesh_alone }
+        Beginning { source: case.restart(), case: &case.about().resolved, is_mesh_alone }
     }
 }
 
@@ -85,7 +87,7 @@ pub fn check_unless_held(
 /// [`OccupiedError`]
 pub fn check(destination: &Destination, observer: &dyn Observer, beginning: Beginning<'_>) -> Result<(), Failure> {
     let Destination { directory, existing } = destination;
-    let Beginning { source, is_mesh_alone } = beginning;
+    let Beginning { source, case, is_mesh_alone } = beginning;
     if *existing == Existing::Resume {
         return Ok(());
     }
@@ -97,7 +99,8 @@ pub fn check(destination: &Destination, observer: &dyn Observer, beginning: Begi
         return Ok(());
     }
     if let Some(earlier) = EarlierRun::find(directory) {
-        let can_resume = earlier.has_checkpoint && earlier.is_mesh_alone == is_mesh_alone;
+        let can_resume =
+            earlier.has_checkpoint && earlier.is_mesh_alone == is_mesh_alone && may_continue(directory, case);
         let (found, remedies) = (described(&earlier), remedies(&earlier, can_resume, observer, directory));
         return Err(Failure::bad_input(OccupiedError::Earlier { directory: directory.clone(), found, remedies }));
     }
@@ -105,6 +108,14 @@ pub fn check(destination: &Destination, observer: &dyn Observer, beginning: Begi
         Some(file) => Err(Failure::bad_input(OccupiedError::Foreign { file, elsewhere })),
         None => Ok(()),
     }
+}
+
+/// Whether the resolved case `now` may continue the run in `directory`: they differ in nothing that its states depend on.
+fn may_continue(directory: &Path, now: &str) -> bool {
+    let Ok(reader) = ResultReader::open(&directory.join(RESULT_FILE)) else { return false };
+    let reached = reader.times.last().copied().unwrap_or(f64::INFINITY);
+    let differences = case::differences_after(&reader.metadata.case_text, now, reached);
+    differences.is_ok_and(|differences| differences.lasting.is_empty())
 }
 
 /// Whether the result in `directory` is named by `source`, directly or by its directory, through any links.
@@ -122,13 +133,20 @@ fn described(run: &EarlierRun) -> String {
         _ if run.completed => format!("a finished {what}{time}"),
         None => format!("an unfinished {what}{time}"),
         Some(reason) => {
-            let first: String = reason.lines().next().unwrap_or_default().chars().take(LONGEST_REASON).collect();
-            format!("an unfinished {what}{time} ({first})")
+            let first = reason.lines().next().unwrap_or_default();
+            format!("an unfinished {what}{time} ({})", shortened(first))
         }
     }
 }
 
-/// A line for each possible intention of the user. Only a run of the same kind can be resumed.
+/// The words of a `reason` that fit into [`LONGEST_REASON`].
+fn shortened(reason: &str) -> String {
+    let Some((end, _)) = reason.char_indices().nth(LONGEST_REASON) else { return reason.to_owned() };
+    let words = reason[..end].rsplit_once(' ').map_or(&reason[..end], |(words, _)| words);
+    format!("{} ...", words.trim_end_matches([',', ';', ':']))
+}
+
+/// A line for each possible intention of the user. Only a run of the same kind and case can be resumed.
 fn remedies(run: &EarlierRun, can_resume: bool, observer: &dyn Observer, directory: &Path) -> String {
     let advice = |step| observer.advice(step, directory);
     let go_on = if run.completed { "go on to a later `time.end`" } else { "go on from its last checkpoint" };

@@ -4,8 +4,8 @@ use case::{Difference, Differences, differences_after, lasting_of};
 use output::Metadata;
 
 /// The settings that may change, and another way, for the end of a message.
-const MAY_CHANGE: &str = "only the end of the run, `time.adaptive`, `[solver]`, `[output]` but for its fields, and tables \
-                          after the checkpoint may change; with `restart.from` and another output directory a new run starts from \
+const MAY_CHANGE: &str = "only the end of the run, `time.adaptive`, `[solver]`, tables after the checkpoint, and in `[output]` all but fields, \
+                          formulas, points, integrals and averages may change; with `restart.from` and another output directory a new run starts from \
                           the flow of this one";
 
 /// The remedy where a table has become longer, for the end of a message.

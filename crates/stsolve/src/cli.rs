@@ -89,10 +89,11 @@ pub enum Command {
 #[derive(Clone, Debug, Args)]
 pub struct DrawingArguments {
     /// Write a movie of this field, an animated PNG in the directory, instead of the page: `mach`, `vorticity`, `pressure`, `q_criterion`, ...
-    #[arg(long, value_name = "FIELD", group = "drawing")]
+    /// [default: the first field of the page]
+    #[arg(long, value_name = "FIELD", group = "drawing", num_args = 0..=1, default_missing_value = "")]
     movie: Option<String>,
     /// Write a picture of this field at the last step, a PNG in the directory, instead of the page.
-    #[arg(long, value_name = "FIELD", group = "drawing")]
+    #[arg(long, value_name = "FIELD", group = "drawing", num_args = 0..=1, default_missing_value = "")]
     picture: Option<String>,
     /// Write the movie as a GIF: larger and of 256 colours, for programs that do not play an animated PNG.
     #[arg(long, requires = "movie")]

@@ -1,9 +1,10 @@
 //! Averages over time.
 
+use super::mesh_crate::Mesh;
 use super::time::Time;
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
-use crate::raw::{self, Average};
+use crate::raw::{self, Average, Axis};
 
 /// The largest number of phases of a period.
 const MOST_PHASES: usize = 1000;
@@ -17,6 +18,8 @@ pub struct Averages {
     pub to: Option<f64>,
     /// The phases of a period that begins at `from`, if they are averaged one by one.
     pub phases: Option<Phases>,
+    /// The axes along which they are averaged, too.
+    pub along: Vec<usize>,
     /// The averages, each listed once.
     pub fields: Vec<Average>,
 }
@@ -31,9 +34,10 @@ pub struct Phases {
 }
 
 /// Checks `[output.averages]` of a run that covers `time`.
-pub(super) fn check(
+pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     raw: Option<&raw::Averages>,
+    mesh: &Mesh<D>,
     time: &Time,
     has_flow: bool,
 ) -> Checked<Option<Averages>> {
@@ -55,7 +59,23 @@ pub(super) fn check(
         let accepted = "some of `fields`, or no section [output.averages]";
         return Err(checker.combination(&key.child("fields"), "the list of averages is empty", accepted));
     }
-    Ok(Some(Averages { from, to, phases: phases(checker, &key, raw, time)?, fields }))
+    let along = directions(checker, &key.child("along"), &raw.along, mesh)?;
+    Ok(Some(Averages { from, to, phases: phases(checker, &key, raw, time)?, along, fields }))
+}
+
+/// The axes of space `along` which the cells of the mesh are extruded.
+fn directions<const D: usize>(checker: &Checker<'_>, key: &Key, along: &[Axis], mesh: &Mesh<D>) -> Checked<Vec<usize>> {
+    let listed = checker.axes::<D>(key, along)?;
+    let along: Vec<usize> = (0..D).filter(|&axis| listed[axis]).collect();
+    let accepted = format!("{} at most, so that a line or a plane remains", D - 1);
+    checker.require(key, "the number of directions", along.len() < D, &accepted)?;
+    if !along.is_empty() && mesh.cross_section(mesh.order(), &along).is_none() {
+        let problem = "the cells of the mesh are not extruded along these directions";
+        let accepted =
+            "directions along which all cells are straight, and every cell has copies of its cross-section behind it";
+        return Err(checker.combination(key, problem, accepted));
+    }
+    Ok(along)
 }
 
 fn phases(checker: &Checker<'_>, key: &Key, raw: &raw::Averages, time: &Time) -> Checked<Option<Phases>> {

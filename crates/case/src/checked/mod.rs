@@ -84,6 +84,8 @@ pub struct Case<const D: usize> {
     pub mesh: mesh_crate::Mesh<D>,
     /// Whether triangles, tetrahedra and prisms of the file of the mesh were split.
     pub splits_simplices: bool,
+    /// Whether the mesh comes from a file.
+    pub is_mesh_from_file: bool,
     /// The motion of the mesh; None: it rests.
     pub motion: Option<Motion<D>>,
     /// The flow; None: only the mesh moves.
@@ -244,6 +246,7 @@ impl<const D: usize> Case<D> {
             about: About::new(checker, document, raw),
             mesh,
             splits_simplices: raw.mesh.split_simplices == Some(true),
+            is_mesh_from_file: raw.mesh.file.is_some(),
             motion,
             flow,
             bodies,
@@ -323,7 +326,7 @@ impl<const D: usize> Dependent<D> {
         errors.note(surfaces::check(checker, raw.output.surfaces.as_ref(), flow, mesh.boundary_names()));
         found.observed = errors.note(probes::check(checker, &raw.output, mesh, flow.map(|flow| flow.order)));
         if let Some(time) = &independent.time {
-            let averages = averages::check(checker, raw.output.averages.as_ref(), time, flow.is_some());
+            let averages = averages::check(checker, raw.output.averages.as_ref(), mesh, time, flow.is_some());
             found.averages = errors.note(averages);
             found.bodies = Self::bodies(checker, raw, mesh, independent, time, errors);
         }

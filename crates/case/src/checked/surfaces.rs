@@ -29,6 +29,10 @@ pub(super) fn check(
         let accepted = "no section [output.surfaces], or a condition such as `adiabatic_wall` in [flow.boundary]";
         return Err(checker.combination(&key, problem, accepted));
     }
+    if raw.walls.is_empty() {
+        let accepted = format!("some of {}, or no section [output.surfaces]", walls.join(", "));
+        return Err(checker.combination(&key, "the list of walls is empty", &accepted));
+    }
     let names = checker.distinct(&key, "wall", &raw.walls)?.iter().enumerate();
     let unknown = names.filter(|(_, name)| !walls.contains(name)).map(|(index, name)| {
         let cause = Cause::Unknown { kind: "wall", name: name.clone(), accepted: walls.clone(), belongs: None };

@@ -1,11 +1,10 @@
 //! The time to cover, and the output.
 
 use crate::checker::{Checked, Checker};
-use crate::clock::rounded_time;
 use crate::error::Errors;
 use crate::key::Key;
 use crate::raw::{self, Field, Integral};
-use coupled::{Schedule, StepControl};
+use coupled::{Schedule, StepControl, rounded_time};
 use std::path::PathBuf;
 
 /// The time to cover, slab by slab.

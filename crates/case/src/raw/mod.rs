@@ -103,7 +103,35 @@ pub fn schema() -> schemars::Schema {
 pub fn editor_schema() -> schemars::Schema {
     let mut schema = schema().to_value();
     accept_formulas(&mut schema);
+    omit_null(&mut schema);
     schemars::Schema::try_from(schema).expect("an object stays one")
+}
+
+/// Drops the choice of null, which TOML does not have. With it an editor marks every key of a section in which one is wrong.
+fn omit_null(schema: &mut serde_json::Value) {
+    match schema {
+        serde_json::Value::Object(entries) => {
+            let is_null =
+                |kind: &serde_json::Value| kind == "null" || kind.get("type").is_some_and(|kind| kind == "null");
+            for list in ["anyOf", "type", "enum"] {
+                let Some(serde_json::Value::Array(choices)) = entries.get_mut(list) else { continue };
+                choices.retain(|choice| !is_null(choice) && !choice.is_null());
+                match (list, &choices[..]) {
+                    ("anyOf", [serde_json::Value::Object(one)]) => {
+                        let one = one.clone();
+                        entries.remove(list);
+                        one.into_iter().for_each(|(key, value)| _ = entries.entry(key).or_insert(value));
+                    }
+                    ("type", [one]) => *entries.get_mut(list).expect("the list was found") = one.clone(),
+                    _ => {}
+                }
+            }
+            entries.retain(|key, value| key != "default" || !value.is_null());
+            entries.values_mut().for_each(omit_null);
+        }
+        serde_json::Value::Array(entries) => entries.iter_mut().for_each(omit_null),
+        _ => {}
+    }
 }
 
 fn accept_formulas(schema: &mut serde_json::Value) {

@@ -179,7 +179,7 @@ pub enum RigidStep {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Rotation {
-    /// The angle in radians, counter-clockwise: a formula in the time t. For degrees write "pi/180*(...)".
+    /// The angle in radians, counter-clockwise: a formula in the time t. For degrees write "deg(...)".
     pub angle: Formula,
     /// The point, a formula per axis in the time t. Default: the origin.
     pub centre: Option<Vec<Formula>>,

@@ -1,5 +1,6 @@
 //! `[time]`, `[restart]` and `[output]`
 
+use super::Axis;
 use super::formula::Formula;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -123,6 +124,10 @@ pub struct Averages {
     pub period: Option<Formula>,
     /// The number of equal phases in a period. Their averages go to phases.vtkhdf.
     pub phases: Option<usize>,
+    /// Directions along which they are averaged, too, such as `["z"]` for a span. These means go to averages_along.csv, and from three
+    /// dimensions to the plane to averages_along.vtkhdf. The cells must be extruded along them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub along: Vec<Axis>,
     /// The averages.
     #[serde(default = "usual_averages")]
     pub fields: Vec<Average>,
@@ -150,6 +155,9 @@ pub enum Average {
     RmsPressure,
     /// That of the temperature, `rms_temperature`.
     RmsTemperature,
+    /// The terms of the budget of the kinetic energy of fluctuations: `production`, `dissipation`, `pressure_dilatation`, and the fluxes
+    /// `turbulent_flux`, `pressure_flux` and `viscous_flux`.
+    KineticEnergyBudget,
 }
 
 fn usual_averages() -> Vec<Average> {

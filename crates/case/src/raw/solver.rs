@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Solver {
-    /// A slab has converged when the residual has fallen by this factor below the residual of its first guess. At most 0.1. Mass,
-    /// momentum and energy balance to round-off for any tolerance.
+    /// A slab has converged when the residual has fallen by this factor below that of a state that stays as it is at the bottom of the slab.
+    /// The first guess is better, so the residual need not fall as far from there. At most 0.1. Mass, momentum and energy balance to round-off
+    /// for any tolerance.
     pub newton_tolerance: f64,
     /// A slab has also converged when the residual is below this size, in units of the reference state, or at round-off. At most
     /// 0.1.

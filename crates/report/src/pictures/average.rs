@@ -22,7 +22,7 @@ enum Made {
 }
 
 /// All averages that are displayed, in their order in the page.
-const ALL: [Average; 9] = [
+const ALL: [Average; 11] = [
     Average { label: "Mean velocity, magnitude", arrays: &["mean_velocity"], made_as: Made::Magnitude },
     Average { label: "Mean pressure", arrays: &["mean_pressure"], made_as: Made::Value },
     Average { label: "Mean density", arrays: &["mean_density"], made_as: Made::Value },
@@ -33,6 +33,8 @@ const ALL: [Average; 9] = [
         made_as: Made::HalfSum,
     },
     Average { label: "Reynolds stress xy", arrays: &["reynolds_stress_xy"], made_as: Made::Value },
+    Average { label: "Production of kinetic energy", arrays: &["production"], made_as: Made::Value },
+    Average { label: "Dissipation of fluctuations", arrays: &["dissipation"], made_as: Made::Value },
     Average { label: "Pressure, r.m.s.", arrays: &["rms_pressure"], made_as: Made::Value },
     Average { label: "Density, r.m.s.", arrays: &["rms_density"], made_as: Made::Value },
     Average { label: "Temperature, r.m.s.", arrays: &["rms_temperature"], made_as: Made::Value },

@@ -44,7 +44,7 @@ mod tests {
     use case::Average;
 
     fn averages(to: Option<f64>, phases: Option<Phases>) -> Averages {
-        Averages { from: 1.0, to, phases, fields: vec![Average::Pressure] }
+        Averages { from: 1.0, to, phases, along: Vec::new(), fields: vec![Average::Pressure] }
     }
 
     #[test]

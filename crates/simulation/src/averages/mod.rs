@@ -16,31 +16,40 @@
 //! | `sums` | the sums over the run, for checkpoints |
 //! | `fields` | averages over the whole mesh, as coefficients and for a viewer |
 //! | `phase_file` | the averages over phases, for a viewer |
+//! | `along` | the averages along axes of space, as a table and for a viewer |
 
+mod along;
 pub mod fields;
 mod intervals;
 mod moments;
 mod phase_file;
 mod sums;
 
+pub use along::AlongFiles;
 pub use moments::{Averaged, Moments};
 pub use phase_file::PhaseFile;
 pub use sums::AverageSums;
 
-use basis::{RadauTime, gauss};
+use basis::{RadauTime, gauss, gauss_lobatto};
 use case::Averages;
-use coupled::Past;
-use fem::Layout;
+use coupled::{MeshMover, Past};
+use fem::{Layout, Sampler};
 use intervals::{Part, parts};
+use moments::AveragedQuantity;
 use navier_stokes::{Gas, Primitive};
 use rayon::prelude::*;
+use std::array::from_fn;
 
 /// The averages of a case, and the slabs that it averages.
-pub struct FlowAverages<'a> {
+pub struct FlowAverages<'a, const D: usize> {
     /// What the case asks for.
     pub wanted: &'a Averages,
+    /// The mesh.
+    pub mover: &'a MeshMover<D>,
     /// The layout of the flow in a slab.
     pub layout: Layout,
+    /// Nodes per direction of the flow.
+    pub order: usize,
     /// The gas.
     pub gas: &'a Gas,
 }
@@ -48,6 +57,8 @@ pub struct FlowAverages<'a> {
 /// A time at which a slab is evaluated.
 struct TimeSample {
     phase: usize,
+    /// The displacement of the mesh, if gradients are needed.
+    displacement: Vec<f64>,
     /// Its weight in the integral over time.
     weight: f64,
     /// phi_a there.
@@ -56,22 +67,25 @@ struct TimeSample {
     integrals: Vec<f64>,
 }
 
-impl FlowAverages<'_> {
+impl<const D: usize> FlowAverages<'_, D> {
     /// Adds the slab `past` to the `sums`.
-    pub fn add<const D: usize, const M: usize>(&self, past: &Past, sums: &mut AverageSums) {
+    pub fn add<const M: usize>(&self, past: &Past, sums: &mut AverageSums) {
         let moments = Moments::new::<D>(&self.wanted.fields);
         let parts = parts(self.wanted, past.interval.start, past.interval.end);
         if parts.is_empty() {
             return;
         }
-        let samples: Vec<TimeSample> = parts.iter().flat_map(|part| self.samples(part, past)).collect();
+        let mut samples: Vec<TimeSample> = parts.iter().flat_map(|part| self.samples(part, past)).collect();
+        if moments.need_gradient() {
+            samples.iter_mut().for_each(|sample| sample.displacement = sample.displaced(past));
+        }
         if sums.is_empty() {
             let displacement = if self.wanted.phases.is_some() { past.bottom.len() } else { 0 };
             *sums = AverageSums::new(self.wanted, [self.layout.cells, moments.len(), self.layout.nodes], displacement);
-            sums.offsets = self.at::<D, M>(&moments, past, &samples[0]);
+            sums.offsets = self.at::<M>(&moments, past, &samples[0]);
         }
         parts.iter().for_each(|part| sums.durations[part.phase] += part.end - part.start);
-        self.add_flow::<D, M>(&moments, past, &samples, sums);
+        self.add_flow::<M>(&moments, past, &samples, sums);
         if !sums.displacements.is_empty() {
             samples.iter().for_each(|sample| add_mesh(past, sample, sums));
         }
@@ -84,47 +98,65 @@ impl FlowAverages<'_> {
         let sample = |(t, weight): (&f64, &f64)| {
             let s = ((t - past.interval.start) / past.dt).clamp(0.0, 1.0);
             let integrals = time.integrals(s).iter().map(|integral| past.dt * integral).collect();
-            TimeSample { phase: part.phase, weight: *weight, values: time.values(s), integrals }
+            TimeSample {
+                phase: part.phase,
+                displacement: Vec::new(),
+                weight: *weight,
+                values: time.values(s),
+                integrals,
+            }
         };
         rule.points.iter().zip(&rule.weights).map(sample).collect()
     }
 
     /// The quantities of all cells at a time, `[cell][quantity][node]`.
-    fn at<const D: usize, const M: usize>(&self, moments: &Moments, past: &Past, sample: &TimeSample) -> Vec<f64> {
-        let cell = |cell: usize| self.of_cell::<D, M>(moments, &past.u[self.layout.cell(cell)], sample);
-        (0..self.layout.cells).flat_map(cell).collect()
+    fn at<const M: usize>(&self, moments: &Moments, past: &Past, sample: &TimeSample) -> Vec<f64> {
+        (0..self.layout.cells).flat_map(|cell| self.of_cell::<M>(moments, past, cell, sample)).collect()
     }
 
-    /// The quantities of a cell with the coefficients `u`, `[time node][component][node]`, at a time: `[quantity][node]`.
-    fn of_cell<const D: usize, const M: usize>(&self, moments: &Moments, u: &[f64], sample: &TimeSample) -> Vec<f64> {
+    /// The quantities of a cell at a time, `[quantity][node]`.
+    fn of_cell<const M: usize>(&self, moments: &Moments, past: &Past, cell: usize, sample: &TimeSample) -> Vec<f64> {
+        let states = self.states::<M>(&past.u[self.layout.cell(cell)], sample);
+        let gradients = match moments.need_gradient() {
+            true => self.gradients(&states, &self.mover.cell_positions(cell, &sample.displacement)),
+            false => vec![[[0.0; D]; D]; states.len()],
+        };
+        let at_nodes = || states.iter().zip(&gradients);
+        let of = |quantity: &AveragedQuantity| {
+            at_nodes().map(|(state, gradient)| quantity.of(self.gas, state, gradient)).collect::<Vec<_>>()
+        };
+        moments.quantities.iter().flat_map(of).collect()
+    }
+
+    /// The states at the nodes of a cell with the coefficients `u`, `[time node][component][node]`, at a time.
+    fn states<const M: usize>(&self, u: &[f64], sample: &TimeSample) -> Vec<Primitive<f64, D>> {
         let (nodes, length) = (self.layout.nodes, self.layout.time_len());
-        let mut out = vec![0.0; moments.quantities.len() * nodes];
-        for node in 0..nodes {
+        let state = |node: usize| {
             let coefficients = |m: usize| u.iter().skip(m * nodes + node).step_by(length);
-            let state: [f64; M] =
-                std::array::from_fn(|m| coefficients(m).zip(&sample.values).map(|(u, phi)| u * phi).sum());
-            let state = Primitive::<f64, D>::unpack(self.gas, &state);
-            for (k, quantity) in moments.quantities.iter().enumerate() {
-                out[k * nodes + node] = quantity.of(self.gas, &state);
-            }
-        }
-        out
+            let state: [f64; M] = from_fn(|m| coefficients(m).zip(&sample.values).map(|(u, phi)| u * phi).sum());
+            Primitive::unpack(self.gas, &state)
+        };
+        (0..nodes).map(state).collect()
+    }
+
+    /// d_j v_i at the nodes of a cell at `positions`, `[node][j][i]`, of the polynomial through the velocities at the nodes.
+    fn gradients(&self, states: &[Primitive<f64, D>], positions: &[f64]) -> Vec<[[f64; D]; D]> {
+        let order = self.order;
+        let sampler = Sampler::<D>::new(order, self.mover.reference.order(), &gauss_lobatto(order).points);
+        let velocities: Vec<f64> = (0..D).flat_map(|i| states.iter().map(move |state| state.velocity[i])).collect();
+        let by_direction = sampler.gradients(&velocities, positions);
+        let n = states.len();
+        (0..n).map(|node| from_fn(|j| from_fn(|i| by_direction[j][i * n + node]))).collect()
     }
 
     /// Adds the moments. Every cell has its own sums, so they have the same bits for any number of threads.
-    fn add_flow<const D: usize, const M: usize>(
-        &self,
-        moments: &Moments,
-        past: &Past,
-        samples: &[TimeSample],
-        sums: &mut AverageSums,
-    ) {
+    fn add_flow<const M: usize>(&self, moments: &Moments, past: &Past, samples: &[TimeSample], sums: &mut AverageSums) {
         let (nodes, AverageSums { moments: of_run, offsets, durations, .. }) = (self.layout.nodes, sums);
         let (each, first) = (durations.len() * moments.len() * nodes, moments.quantities.len() * nodes);
         of_run.par_chunks_exact_mut(each).zip(offsets.par_chunks_exact(first)).enumerate().for_each(
             |(cell, (sums, offsets))| {
                 for sample in samples {
-                    let mut values = self.of_cell::<D, M>(moments, &past.u[self.layout.cell(cell)], sample);
+                    let mut values = self.of_cell::<M>(moments, past, cell, sample);
                     values.iter_mut().zip(offsets).for_each(|(value, offset)| *value -= offset);
                     let length = moments.len() * nodes;
                     moments.add(&values, sample.weight, &mut sums[sample.phase * length..][..length]);
@@ -134,13 +166,19 @@ impl FlowAverages<'_> {
     }
 }
 
-/// Adds the displacement of the mesh: that at the bottom and the integral of its velocity.
-fn add_mesh(past: &Past, sample: &TimeSample, sums: &mut AverageSums) {
-    let length = past.bottom.len();
-    let sums = &mut sums.displacements[sample.phase * length..][..length];
-    for (i, (sum, bottom)) in sums.iter_mut().zip(&past.bottom).enumerate() {
-        let velocities = past.v.iter().skip(i).step_by(length);
-        let moved: f64 = velocities.zip(&sample.integrals).map(|(v, integral)| v * integral).sum();
-        *sum += sample.weight * (bottom + moved);
+impl TimeSample {
+    /// The displacement of the mesh: that at the bottom and the integral of its velocity.
+    fn displaced(&self, past: &Past) -> Vec<f64> {
+        let moved = |i: usize| -> f64 {
+            let velocities = past.v.iter().skip(i).step_by(past.bottom.len());
+            velocities.zip(&self.integrals).map(|(v, integral)| v * integral).sum()
+        };
+        past.bottom.iter().enumerate().map(|(i, bottom)| bottom + moved(i)).collect()
     }
+}
+
+/// Adds the displacement of the mesh.
+fn add_mesh(past: &Past, sample: &TimeSample, sums: &mut AverageSums) {
+    let sums = &mut sums.displacements[sample.phase * past.bottom.len()..][..past.bottom.len()];
+    sums.iter_mut().zip(sample.displaced(past)).for_each(|(sum, displacement)| *sum += sample.weight * displacement);
 }

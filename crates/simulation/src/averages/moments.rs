@@ -1,7 +1,24 @@
 //! The quantities that are summed, and the averages that follow from the sums.
+//!
+//! An average is a sum of products of means and covariances. Those of the kinetic energy of fluctuations, k = <v_i' v_i'> / 2, are
+//!
+//! ```text
+//! production          = -<v_i' v_j'> <d_j v_i>                                                                     (budget)
+//! dissipation         = ( <tau_ij d_j v_i> - <tau_ij> <d_j v_i> ) / <rho>
+//! pressure_dilatation = <p' (div v)'> / <rho>
+//! turbulent_flux_j    = <v_i' v_i' v_j'> / 2
+//! pressure_flux_j     = <p' v_j'> / <rho>
+//! viscous_flux_j      = -<tau_ij' v_i'> / <rho>
+//! ```
+//!
+//! With a uniform density d_t k + <v> . grad k = production + pressure_dilatation - dissipation - the divergence of the three fluxes.
+//! S. B. Pope, Turbulent Flows (2000), equation 5.164, has it for an incompressible fluid.
 
+use AveragedQuantity::{
+    Density, DissipatedPower, Divergence, EnergyFlux, Gradient, Momentum, Pressure, Stress, Temperature, Velocity,
+};
 use case::Average;
-use navier_stokes::{Gas, Primitive};
+use navier_stokes::{Gas, Primitive, viscous_stress};
 
 /// A quantity of the gas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,30 +33,91 @@ pub enum AveragedQuantity {
     Velocity(usize),
     /// A component of the momentum per volume.
     Momentum(usize),
+    /// d_j v_i, by j and i.
+    Gradient(usize, usize),
+    /// div v
+    Divergence,
+    /// tau_ij
+    Stress(usize, usize),
+    /// tau_ij d_j v_i
+    DissipatedPower,
+    /// |v|^2 v_j / 2
+    EnergyFlux(usize),
 }
 
 impl AveragedQuantity {
-    /// Its value in a state.
-    pub fn of<const D: usize>(self, gas: &Gas, state: &Primitive<f64, D>) -> f64 {
+    /// Whether it needs the gradient of the velocity.
+    fn needs_gradient(self) -> bool {
+        matches!(self, Gradient(..) | Divergence | Stress(..) | DissipatedPower)
+    }
+
+    /// Its value in a state with the gradient `gradient[j][i]` = d_j v_i.
+    pub fn of<const D: usize>(self, gas: &Gas, state: &Primitive<f64, D>, gradient: &[[f64; D]; D]) -> f64 {
+        let stress = || viscous_stress(gas, state, gradient);
         match self {
-            AveragedQuantity::Density => state.density,
-            AveragedQuantity::Pressure => state.pressure,
-            AveragedQuantity::Temperature => gas.temperature(state.density, state.pressure),
-            AveragedQuantity::Velocity(axis) => state.velocity[axis],
-            AveragedQuantity::Momentum(axis) => state.density * state.velocity[axis],
+            Density => state.density,
+            Pressure => state.pressure,
+            Temperature => gas.temperature(state.density, state.pressure),
+            Velocity(axis) => state.velocity[axis],
+            Momentum(axis) => state.density * state.velocity[axis],
+            Gradient(j, i) => gradient[j][i],
+            Divergence => (0..D).map(|i| gradient[i][i]).sum(),
+            Stress(i, j) => stress()[i][j],
+            DissipatedPower => {
+                let power = |(tau, gradient): (&[f64; D], &[f64; D])| tensor::dot(tau, gradient);
+                stress().iter().zip(gradient).map(power).sum()
+            }
+            EnergyFlux(axis) => 0.5 * tensor::dot(&state.velocity, &state.velocity) * state.velocity[axis],
         }
     }
 }
 
-/// A component of an average, by the numbers of sums.
+/// A factor of an average, by the numbers of sums.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Term {
+enum Factor {
     /// <q>
     Mean(usize),
     /// <q' r'>: the quantities and their product.
     Covariance([usize; 2], usize),
-    /// <q' q'>^1/2
-    Rms(usize, usize),
+}
+
+/// A coefficient, and the factors that it multiplies.
+type Product = (f64, Vec<Factor>);
+
+/// A component of an average.
+#[derive(Clone, Debug, PartialEq)]
+struct Term {
+    /// Products, which are added.
+    products: Vec<Product>,
+    /// The quantity whose mean divides the sum.
+    divisor: Option<usize>,
+    /// Whether the square root is taken.
+    is_root: bool,
+}
+
+impl Term {
+    fn one(factor: Factor) -> Self {
+        Term::sum(vec![(1.0, vec![factor])])
+    }
+
+    fn sum(products: Vec<Product>) -> Self {
+        Term { products, divisor: None, is_root: false }
+    }
+
+    fn over(self, quantity: usize) -> Self {
+        Term { divisor: Some(quantity), ..self }
+    }
+
+    /// Its value, from those of factors.
+    fn value(&self, of: impl Fn(Factor) -> f64) -> f64 {
+        let product = |(coefficient, factors): &Product| {
+            factors.iter().fold(*coefficient, |product, factor| product * of(*factor))
+        };
+        let sum: f64 = self.products.iter().map(product).sum();
+        let value = self.divisor.map_or(sum, |quantity| sum / of(Factor::Mean(quantity)));
+        // Round-off may make the mean square of nothing negative.
+        if self.is_root { value.max(0.0).sqrt() } else { value }
+    }
 }
 
 /// An average with a name of its own.
@@ -85,42 +163,94 @@ impl Moments {
 
     fn add_average<const D: usize>(&mut self, average: Average) {
         match average {
-            Average::Density => self.add_mean("density", &[AveragedQuantity::Density]),
-            Average::Pressure => self.add_mean("pressure", &[AveragedQuantity::Pressure]),
-            Average::Temperature => self.add_mean("temperature", &[AveragedQuantity::Temperature]),
-            Average::Velocity => self.add_mean("velocity", &std::array::from_fn::<_, D, _>(AveragedQuantity::Velocity)),
-            Average::Momentum => self.add_mean("momentum", &std::array::from_fn::<_, D, _>(AveragedQuantity::Momentum)),
-            Average::RmsDensity => self.add_rms("density", AveragedQuantity::Density),
-            Average::RmsPressure => self.add_rms("pressure", AveragedQuantity::Pressure),
-            Average::RmsTemperature => self.add_rms("temperature", AveragedQuantity::Temperature),
+            Average::Density => self.add_mean("density", &[Density]),
+            Average::Pressure => self.add_mean("pressure", &[Pressure]),
+            Average::Temperature => self.add_mean("temperature", &[Temperature]),
+            Average::Velocity => self.add_mean("velocity", &std::array::from_fn::<_, D, _>(Velocity)),
+            Average::Momentum => self.add_mean("momentum", &std::array::from_fn::<_, D, _>(Momentum)),
+            Average::RmsDensity => self.add_rms("density", Density),
+            Average::RmsPressure => self.add_rms("pressure", Pressure),
+            Average::RmsTemperature => self.add_rms("temperature", Temperature),
             Average::ReynoldsStress => (0..D).for_each(|i| (i..D).for_each(|j| self.add_stress(i, j))),
+            Average::KineticEnergyBudget => self.add_budget::<D>(),
         }
     }
 
     fn add_mean(&mut self, name: &str, quantities: &[AveragedQuantity]) {
-        let terms = quantities.iter().map(|quantity| Term::Mean(self.quantity(*quantity))).collect();
+        let terms = quantities.iter().map(|quantity| Term::one(self.mean(*quantity))).collect();
         self.averages.push(Averaged { name: format!("mean_{name}"), terms });
     }
 
     fn add_rms(&mut self, name: &str, quantity: AveragedQuantity) {
-        let number = self.quantity(quantity);
-        let terms = vec![Term::Rms(number, self.product([number, number]))];
+        let variance = self.covariance([quantity; 2]);
+        let terms = vec![Term { is_root: true, ..Term::one(variance) }];
         self.averages.push(Averaged { name: format!("rms_{name}"), terms });
     }
 
     fn add_stress(&mut self, i: usize, j: usize) {
-        let pair = [i, j].map(|axis| self.quantity(AveragedQuantity::Velocity(axis)));
-        let terms = vec![Term::Covariance(pair, self.product(pair))];
+        let terms = vec![Term::one(self.covariance([i, j].map(Velocity)))];
         self.averages.push(Averaged { name: format!("reynolds_stress_{}{}", AXES[i], AXES[j]), terms });
     }
 
-    /// The number of a quantity, which is added if it is new.
-    fn quantity(&mut self, quantity: AveragedQuantity) -> usize {
-        position_or_push(&mut self.quantities, quantity)
+    /// (budget)
+    fn add_budget<const D: usize>(&mut self) {
+        let density = position_or_push(&mut self.quantities, Density);
+        let one = |name: &str, terms: Vec<Term>| Averaged { name: name.to_owned(), terms };
+        let production = Term::sum(pairs::<D>().map(|[i, j]| self.produced(i, j)).collect());
+        let dissipation = Term::sum(self.dissipated::<D>()).over(density);
+        let dilatation = Term::one(self.covariance([Pressure, Divergence])).over(density);
+        let turbulent = (0..D).map(|j| Term::sum(self.carried::<D>(j))).collect();
+        let pressure = (0..D).map(|j| Term::one(self.covariance([Pressure, Velocity(j)])).over(density)).collect();
+        let viscous = (0..D).map(|j| Term::sum(self.diffused::<D>(j)).over(density)).collect();
+        self.averages.extend([
+            one("production", vec![production]),
+            one("dissipation", vec![dissipation]),
+            one("pressure_dilatation", vec![dilatation]),
+            one("turbulent_flux", turbulent),
+            one("pressure_flux", pressure),
+            one("viscous_flux", viscous),
+        ]);
     }
 
-    fn product(&mut self, pair: [usize; 2]) -> usize {
-        position_or_push(&mut self.products, pair)
+    /// -<v_i' v_j'> <d_j v_i>
+    fn produced(&mut self, i: usize, j: usize) -> Product {
+        (-1.0, vec![self.covariance([Velocity(i), Velocity(j)]), self.mean(Gradient(j, i))])
+    }
+
+    /// <tau_ij d_j v_i> - <tau_ij> <d_j v_i>
+    fn dissipated<const D: usize>(&mut self) -> Vec<Product> {
+        let all = (1.0, vec![self.mean(DissipatedPower)]);
+        let of_mean = |[i, j]: [usize; 2]| (-1.0, vec![self.mean(stress(i, j)), self.mean(Gradient(j, i))]);
+        std::iter::once(all).chain(pairs::<D>().map(of_mean)).collect()
+    }
+
+    /// <v_i' v_i' v_j'> / 2 = <|v|^2 v_j> / 2 - <v_i> <v_i' v_j'> - <v_j> ( <v_i' v_i'> + <v_i> <v_i> ) / 2
+    fn carried<const D: usize>(&mut self, j: usize) -> Vec<Product> {
+        let mut products = vec![(1.0, vec![self.mean(EnergyFlux(j))])];
+        for i in 0..D {
+            let [mean_i, mean_j] = [i, j].map(|axis| self.mean(Velocity(axis)));
+            products.push((-1.0, vec![mean_i, self.covariance([Velocity(i), Velocity(j)])]));
+            products.push((-0.5, vec![mean_j, self.covariance([Velocity(i); 2])]));
+            products.push((-0.5, vec![mean_j, mean_i, mean_i]));
+        }
+        products
+    }
+
+    /// -<tau_ij' v_i'>
+    fn diffused<const D: usize>(&mut self, j: usize) -> Vec<Product> {
+        (0..D).map(|i| (-1.0, vec![self.covariance([stress(i, j), Velocity(i)])])).collect()
+    }
+
+    /// The mean of a quantity, which is added if it is new.
+    fn mean(&mut self, quantity: AveragedQuantity) -> Factor {
+        Factor::Mean(position_or_push(&mut self.quantities, quantity))
+    }
+
+    /// The covariance of two quantities.
+    fn covariance(&mut self, quantities: [AveragedQuantity; 2]) -> Factor {
+        let mut pair = quantities.map(|quantity| position_or_push(&mut self.quantities, quantity));
+        pair.sort_unstable();
+        Factor::Covariance(pair, position_or_push(&mut self.products, pair))
     }
 
     /// Adds `weight` times the quantities `values`, `[quantity][node]`, and their products to `sums`, `[sum][node]`.
@@ -140,14 +270,40 @@ impl Moments {
         let nodes = offsets.len() / self.quantities.len();
         let mean = |sum: usize, node: usize| sums[sum * nodes + node] / duration;
         let product = |number: usize, node: usize| mean(self.quantities.len() + number, node);
-        let at = |term: &Term, node: usize| match *term {
-            Term::Mean(q) => offsets[q * nodes + node] + mean(q, node),
-            Term::Covariance([q, r], number) => product(number, node) - mean(q, node) * mean(r, node),
-            // Round-off may make the mean square of nothing negative.
-            Term::Rms(q, number) => (product(number, node) - mean(q, node).powi(2)).max(0.0).sqrt(),
+        let factor = |factor: Factor, node: usize| match factor {
+            Factor::Mean(q) => offsets[q * nodes + node] + mean(q, node),
+            Factor::Covariance([q, r], number) => product(number, node) - mean(q, node) * mean(r, node),
         };
+        let at = |term: &Term, node: usize| term.value(|of| factor(of, node));
         average.terms.iter().flat_map(|term| (0..nodes).map(move |node| at(term, node))).collect()
     }
+
+    /// Whether a quantity needs the gradient of the velocity.
+    pub fn need_gradient(&self) -> bool {
+        self.quantities.iter().any(|quantity| quantity.needs_gradient())
+    }
+
+    /// The means of quantities less `others` and of their products, from the `means` of quantities less `offsets`: (q - o')(r - o'_r) with
+    /// q - o' = (q - o) + (o - o').
+    pub fn about(&self, others: &[f64], offsets: &[f64], means: &[f64]) -> Vec<f64> {
+        let (firsts, products) = means.split_at(self.quantities.len());
+        let shift = |q: usize| offsets[q] - others[q];
+        let product = |([q, r], mean): (&[usize; 2], &f64)| {
+            mean + shift(*q) * firsts[*r] + shift(*r) * firsts[*q] + shift(*q) * shift(*r)
+        };
+        let firsts = firsts.iter().enumerate().map(|(q, mean)| mean + shift(q));
+        firsts.chain(self.products.iter().zip(products).map(product)).collect()
+    }
+}
+
+/// All pairs of axes.
+fn pairs<const D: usize>() -> impl Iterator<Item = [usize; 2]> {
+    (0..D * D).map(|k| [k / D, k % D])
+}
+
+/// tau_ij, which is symmetric.
+fn stress(i: usize, j: usize) -> AveragedQuantity {
+    Stress(i.min(j), i.max(j))
 }
 
 fn position_or_push<T: PartialEq>(list: &mut Vec<T>, entry: T) -> usize {

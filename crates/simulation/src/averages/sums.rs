@@ -24,6 +24,16 @@ pub struct AverageSums {
     pub displacements: Vec<f64>,
 }
 
+/// The sums of a cell over some time.
+pub struct OfCell<'a> {
+    /// The time.
+    pub duration: f64,
+    /// The offset that is subtracted from each quantity, `[quantity][node]`.
+    pub offsets: &'a [f64],
+    /// `[sum][node]`, see [`Moments`].
+    pub sums: Vec<f64>,
+}
+
 /// The start, the period, the number of phases and the fields of averages: sums of the same plan can be continued.
 fn plan(wanted: &Averages) -> Vec<f64> {
     let (period, count) = wanted.phases.map_or((0.0, 1), |phases| (phases.period, phases.count));
@@ -67,6 +77,15 @@ impl AverageSums {
         if self.is_empty() {
             return vec![f64::NAN; average.components() * nodes];
         }
+        let OfCell { duration, offsets, sums } = self.sums_of_cell(moments, cell, nodes, phase);
+        moments.average(average, duration, offsets, &sums)
+    }
+
+    /// The sums of a cell over a phase, or over the whole time.
+    ///
+    /// # Panics
+    /// Before the first slab that is averaged.
+    pub fn sums_of_cell(&self, moments: &Moments, cell: usize, nodes: usize, phase: Option<usize>) -> OfCell<'_> {
         let (count, length) = (self.durations.len(), moments.len() * nodes);
         let of_cell = &self.moments[cell * count * length..][..count * length];
         let chosen = |k: &usize| phase.is_none_or(|phase| phase == *k);
@@ -76,7 +95,7 @@ impl AverageSums {
             sums.iter_mut().zip(&of_cell[k * length..]).for_each(|(sum, of_phase)| *sum += of_phase);
         }
         let first = moments.quantities.len() * nodes;
-        moments.average(average, duration, &self.offsets[cell * first..][..first], &sums)
+        OfCell { duration, offsets: &self.offsets[cell * first..][..first], sums }
     }
 
     /// The mean displacement of the mesh in a phase, `[C0 node][component]`.

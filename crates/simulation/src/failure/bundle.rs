@@ -127,7 +127,7 @@ fn last_good_state(FailureReport { time, again, .. }: &FailureReport<'_>) -> Str
     let next = match again {
         Some(again) => format!(
             "The checkpoint in `../{RESULT_FILE}`, at t = {time}. With the settings of this run the next attempt starts from there:\n\n    \
-             {again}\n\nWith another solver (`[solver]`) it does so too; with other changes the run begins anew, which removes this folder."
+             {again}\n\nWith another solver (`[solver]`) it does so too. With other changes the run must begin anew: `--force`, which removes this folder, or another `--output`."
         ),
         None => format!(
             "`../{RESULT_FILE}` holds it, at t = {time} or before, and what came after: the motion was followed to its end."

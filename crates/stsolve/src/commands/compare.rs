@@ -11,6 +11,9 @@ use std::path::{Path, PathBuf};
 /// Figures of two runs that are at most this far apart, relative to the larger, count as the same.
 const SAME: f64 = 1e-12;
 
+/// Figures and curves that are below this size in both runs are round-off.
+const ROUND_OFF: f64 = 1e-13;
+
 /// Parts of summary.json that describe the machine, not the case.
 const OF_THE_MACHINE: [&str; 3] = ["cost", "machine", "version"];
 
@@ -35,7 +38,11 @@ pub fn compare(first: &Path, second: &Path, json: bool) -> Result<(), Failure> {
         tables[0].row(key, text(before), format!("and {}", text(now)));
     }
     tables.push(table("figures that differ", &figures, |[a, b]| (b - a).abs() / a.abs().max(b.abs())));
-    tables.push(table("curves that differ: the largest difference, and where", &curves, |[largest, _]| *largest));
+    tables.push(table(
+        "curves that differ: the largest difference, as a fraction of the first curve's largest value, and its time",
+        &curves,
+        |[largest, _]| *largest,
+    ));
     let mut of_one = Table::new("figures and curves that only one run has");
     for (name, run) in &alone {
         of_one.row(name, format!("in {}", run.display()), "");
@@ -129,7 +136,8 @@ fn curves([first, second]: &[Run; 2]) -> Vec<Named> {
         let apart = |(t, value): (&f64, &f64)| Some([(value - at(&others, &other, *t)?).abs(), *t]);
         let worst = times.iter().zip(&one).filter_map(apart).max_by(|a, b| a[0].total_cmp(&b[0]))?;
         let relative = if largest > 0.0 { worst[0] / largest } else { worst[0] };
-        (relative > SAME).then(|| (name.clone(), [relative, worst[1]]))
+        let is_round_off = largest.max(worst[0]) <= ROUND_OFF;
+        (!is_round_off && relative > SAME).then(|| (name.clone(), [relative, worst[1]]))
     };
     first.history.columns.iter().filter(|name| *name != "t").filter_map(difference).collect()
 }
@@ -146,7 +154,8 @@ fn at(times: &[f64], values: &[f64], t: f64) -> Option<f64> {
 }
 
 fn differ(a: f64, b: f64) -> bool {
-    (a - b).abs() > SAME * a.abs().max(b.abs())
+    let size = a.abs().max(b.abs());
+    size > ROUND_OFF && (a - b).abs() > SAME * size
 }
 
 fn places(rows: &[(String, &Path)]) -> Map<String, Value> {

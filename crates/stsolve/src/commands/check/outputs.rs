@@ -33,6 +33,10 @@ fn add_observed<const D: usize>(table: &mut Table, observed: &Observed<D>) {
 fn add_averages(table: &mut Table, averages: &Averages, end: f64) {
     let to = averages.to.map_or(end, |to| to.min(end));
     table.row("averages from", averages.from, "").row("averages to", to, "");
+    if !averages.along.is_empty() {
+        let axes: Vec<&str> = averages.along.iter().map(|&axis| ["x", "y", "z"][axis]).collect();
+        table.row("averages along", axes.join(", "), "in averages_along.csv");
+    }
     if let Some(phases) = averages.phases {
         let periods = format!("of {:.3} periods", (to - averages.from) / phases.period);
         table.row("phases", phases.count, periods);

@@ -20,21 +20,22 @@ const POOR_CELL: f64 = 0.1;
 /// Without walls a flow with a larger Reynolds number of a distance of nodes is not resolved.
 const CELL_REYNOLDS: f64 = 100.0;
 
-/// Cells of a file that were split into poor ones.
-pub(super) fn split_cells<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
-    if !facts.case.splits_simplices {
+/// Poor cells of a file, which may be pieces of triangles, tetrahedra or prisms.
+pub(super) fn cells_of_file<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
+    if !facts.case.is_mesh_from_file {
         return None;
     }
-    let mesh = &facts.case.mesh;
-    let (flat, distorted) = (flat_cell(mesh), distorted_cell(mesh, facts.most_distorted));
+    let (mesh, may_be_split) = (&facts.case.mesh, facts.case.splits_simplices);
+    let (flat, distorted) = (flat_cell(mesh), distorted_cell(mesh, facts.most_distorted, may_be_split));
     let remedy = match (&flat, &distorted) {
         (None, None) => return None,
+        _ if !may_be_split => "cells with larger angles",
         (Some(_), _) if D == 2 => "less acute triangles, or quadrilaterals",
         (None, _) if D == 2 => "less curved triangles, or quadrilaterals",
         _ => "hexahedra, or prisms of less acute triangles",
     };
     let problems = flat.into_iter().chain(distorted).collect::<Vec<_>>().join("; ");
-    warning("cells", format!("`mesh.split_simplices` makes poor cells: {problems}; a mesh of {remedy}"))
+    warning("cells", format!("poor cells: {problems}; a mesh of {remedy}"))
 }
 
 /// The least orthogonal cell, if it is poor.
@@ -47,13 +48,20 @@ fn flat_cell<const D: usize>(mesh: &Mesh<D>) -> Option<String> {
 }
 
 /// The most distorted cell, if it is poor: a piece of a tetrahedron always is.
-fn distorted_cell<const D: usize>(mesh: &Mesh<D>, (cell, scaled_jacobian): (usize, f64)) -> Option<String> {
-    let (at, most) =
-        (centre(mesh, cell), if D == 2 { "1/3" } else { "2/27 in a piece of a tetrahedron, 1/3 of a prism" });
+fn distorted_cell<const D: usize>(
+    mesh: &Mesh<D>,
+    (cell, scaled_jacobian): (usize, f64),
+    may_be_split: bool,
+) -> Option<String> {
+    let most = match D {
+        _ if !may_be_split => "",
+        2 => " (at most 1/3 in a piece of a triangle)",
+        _ => " (at most 2/27 in a piece of a tetrahedron, 1/3 of a prism)",
+    };
     (scaled_jacobian < POOR_CELL).then(|| {
         format!(
-            "the scaled Jacobian of cell {cell} at {at:.4?} is {scaled_jacobian:.3}, where 1 is undistorted and 0 degenerate \
-             (at most {most})"
+            "the scaled Jacobian of cell {cell} at {:.4?} is {scaled_jacobian:.3}, where 1 is undistorted and 0 degenerate{most}",
+            centre(mesh, cell)
         )
     })
 }
@@ -105,7 +113,7 @@ pub(super) fn layer<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Opt
     }
     let text = format!(
         "about {nodes:.1} nodes across the boundary layer of thickness {:.2e}, fewer than {NODES_IN_LAYER}: thinner cells at the wall (`first_cell` \
-         of the generator), or a higher `flow.order`{}",
+         of a generator), or a higher `flow.order`{}",
         plate.thickness() * flow.reference_length,
         against_aliasing(flow)
     );

@@ -213,11 +213,19 @@ fn cost_table<const D: usize>(facts: &Facts<'_, D>) -> Table {
         .row("flow unknowns", case.flow_unknowns(), "per slab")
         .row("mesh unknowns", mesh, "per slab")
         .row("memory of a run", megabytes(memory.peak()), "MB, estimated, of which")
+        .row("program", megabytes(simulation::PROGRAM_BYTES), "MB")
         .row("mesh", megabytes(memory.mesh), "MB, with the solver of an elastic one")
         .row("Jacobian blocks", megabytes(memory.jacobian), "MB")
         .row("preconditioner", megabytes(memory.factors), preconditioner(case))
         .row("vectors", megabytes(memory.vectors), format!("MB, with {} Krylov iterations", typical_iterations(case)))
-        .row("Krylov vectors", megabytes(memory.most_krylov), "MB at most, with `solver.krylov_restart` iterations");
+        .row(
+            "Krylov vectors",
+            megabytes(memory.most_krylov),
+            "MB at most, with `solver.krylov_restart` iterations, instead of those in `vectors`",
+        );
+    if memory.averages > 0 {
+        table.row("averages", megabytes(memory.averages), "MB");
+    }
     if let Some(steady) = memory.steady {
         table.row("steady flow", megabytes(steady), "MB, in the place of these, with its coarse level");
     }

@@ -1,7 +1,7 @@
 //! Choices of a case that are allowed, but likely wrong.
 
 use super::Facts;
-use super::resolution::{free_flow, layer, quadrature, slab_length, split_cells};
+use super::resolution::{cells_of_file, free_flow, layer, quadrature, slab_length};
 use super::scales::walls_at_start;
 use case::{Flow, Motion, Preconditioner, State};
 use navier_stokes::{Boundary, Riemann, Viscosity};
@@ -40,7 +40,7 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
             [quadrature(facts, flow), layer(facts, flow), free_flow(facts, flow), mach(flow), lines(facts, flow)];
         of_boundaries.into_iter().chain(of_start).chain(of_resolution)
     });
-    let of_all = [slab_length(facts), file_size(facts), split_cells(facts)];
+    let of_all = [slab_length(facts), file_size(facts), cells_of_file(facts)];
     of_all.into_iter().chain(of_flow.into_iter().flatten()).flatten().collect()
 }
 
@@ -110,7 +110,7 @@ fn far_field<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<War
         return None;
     }
     let text = format!(
-        "{distance:.2} reference lengths from the walls: forces will feel it; a larger mesh (`far_field` of the generator), {FAR} or more, or \
+        "{distance:.2} reference lengths from the walls: forces will feel it; a larger mesh (`far_field` of a generator), {FAR} or more, or \
          `flow.reference.length` if that is not the size of the body"
     );
     warning("far field", text)
