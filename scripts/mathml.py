@@ -12,10 +12,11 @@ import sys
 
 GREEK = dict(zip(
     "alpha beta gamma delta varepsilon zeta eta theta kappa lambda mu nu xi pi rho sigma tau phi chi psi omega Gamma Delta Theta Lambda "
-    "Phi Psi Omega".split(), "αβγδεζηθκλμνξπρστφχψωΓΔΘΛΦΨΩ"))
+    "Pi Phi Psi Omega".split(), "αβγδεζηθκλμνξπρστφχψωΓΔΘΛΠΦΨΩ"))
 SIGNS = {
     "le": "≤", "ge": "≥", "ne": "≠", "to": "→", "sim": "∼", "cdot": "⋅", "cdots": "⋯", "times": "×", "otimes": "⊗", "partial": "∂",
-    "nabla": "∇", "infty": "∞", "perp": "⊥", "lvert": "|", "rvert": "|", "{": "{", "}": "}", "#": "#", "int": "∫", "sum": "∑", "prod": "∏",
+    "nabla": "∇", "infty": "∞", "perp": "⊥", "lvert": "|", "rvert": "|", "{": "{", "}": "}", "#": "#", "langle": "⟨", "rangle": "⟩",
+    "int": "∫", "sum": "∑", "prod": "∏",
 }
 LARGE = {"int", "sum", "prod"}
 BELOW = {"sum", "prod", "max", "min"}

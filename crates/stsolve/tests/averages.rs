@@ -223,7 +223,7 @@ const WAVY: &str = r#"
     gas = { viscosity = { constant = 0.01 } }
     reference = { density = 1, speed = 1, pressure = 3, length = 1 }
     initial.expression = { density = 1, velocity = ["y + 0.2*cos(2*pi*x)", "0.1*cos(2*pi*x)*(1 + y)"], pressure = "3 + 0.5*cos(2*pi*x)" }
-    boundary.others = { farfield = {} }
+    boundary.others = "slip_wall"
 "#;
 
 /// The rows of averages_along.csv and its header.
@@ -280,6 +280,7 @@ fn averages_along_a_span_are_a_plane_for_a_viewer() {
         [flow]
         order = 6
         initial.expression = { density = 1, velocity = ["0.1*x", 0, "0.4*cos(2*pi*z)"], pressure = 2 }
+        reference = { density = 1, speed = 1, pressure = 2, length = 1 }
     "#;
     run(directory.path(), text, &[]);
     let run = directory.path().join("run");

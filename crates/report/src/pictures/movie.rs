@@ -71,7 +71,7 @@ impl<'r, const D: usize> Studio<'r, D> {
         };
         drop(snapshots);
         let shot = Shot {
-            title: reader.metadata.case_name.clone(),
+            title: title(reader),
             quantity: (quantity, range),
             label: label.unwrap_or_else(|| quantity.label(D).to_owned()),
             window,
@@ -94,4 +94,9 @@ impl<'r, const D: usize> Studio<'r, D> {
         let bytes = Frames { count: steps.len(), colours: colours.as_ref(), draw }.encode(self.format)?;
         Ok(Movie { bytes, frames: steps.len(), window: self.shot.window.label })
     }
+}
+/// The title of the case, or its name.
+fn title(reader: &ResultReader) -> String {
+    let title = case::title_of(&reader.metadata.case_text).filter(|title| !title.is_empty());
+    title.unwrap_or_else(|| reader.metadata.case_name.clone())
 }

@@ -55,6 +55,13 @@ impl PictureQuantity {
         present.chain(average::present(arrays).map(PictureQuantity::Average)).collect()
     }
 
+    /// The quantities of the page: also fields that the case writes, if they need no more than the state.
+    pub fn of_page(has_flow: bool, arrays: &[&str], written: &[&str]) -> Vec<PictureQuantity> {
+        let on_request = [Field::QCriterion, Field::Entropy, Field::TotalPressure].map(PictureQuantity::Flow);
+        let requested = on_request.into_iter().filter(|quantity| written.contains(&quantity.name()));
+        PictureQuantity::of(has_flow, arrays).into_iter().chain(requested).collect()
+    }
+
     /// The quantities of movies: those of the page, and fields that take too much of its room.
     pub fn of_movies(has_flow: bool, arrays: &[&str]) -> Vec<PictureQuantity> {
         let more = [
@@ -161,6 +168,15 @@ fn around(middle: f64, lower: f64, upper: f64, least: f64) -> Range {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_page_shows_fields_that_the_case_asks_for() {
+        let names = |written: &[&str]| -> Vec<&str> {
+            PictureQuantity::of_page(true, &[], written).into_iter().map(PictureQuantity::name).collect()
+        };
+        assert_eq!(names(&["velocity", "pressure"]), names(&[]));
+        assert_eq!(names(&["entropy", "q_criterion"])[names(&[]).len()..], ["q_criterion", "entropy"]);
+    }
 
     #[test]
     fn a_single_peak_does_not_take_all_colours() {

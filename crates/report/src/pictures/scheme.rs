@@ -43,7 +43,8 @@ impl<const D: usize> Scheme<D> {
         let at_nodes = sampler(basis::Lagrange::gauss_lobatto(flow_order).nodes());
         let complete = rest.len() == cells * mesh_nodes * D;
         let arrays: Vec<&str> = reader.layout.exact.iter().map(|array| &array.name[..]).collect();
-        let quantities = PictureQuantity::of(flow.is_some(), &arrays);
+        let fields: Vec<&str> = reader.layout.fields.iter().map(|field| &field.name[..]).collect();
+        let quantities = PictureQuantity::of_page(flow.is_some(), &arrays, &fields);
         complete.then_some(Scheme { mesh_nodes, flow, medium, rest, samplers, at_nodes, quantities })
     }
 
