@@ -261,10 +261,23 @@ fn begin<const D: usize, const M: usize>(
     recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow: &flow, structure, averages })?;
     if let Some(row) = row {
         recorder.history.push(&[row, controls::values(recorder.case())].concat())?;
+        // The steady flow that the run begins with has distributions along walls; another initial state has none worth keeping.
+        if recorder.case().output.surfaces_every.is_some() {
+            append_surfaces(run, recorder)?;
+        }
         recorder.checkpoint(run.store(), &context.statistics)?;
     }
     run.cut(directory, true)?;
     Ok(None)
+}
+
+/// Appends the distributions along walls to their series.
+fn append_surfaces<const D: usize, const M: usize>(
+    run: &impl Run,
+    recorder: &mut Recorder<D, M>,
+) -> Result<(), Failure> {
+    let time = run.state().time;
+    run.surfaces().iter().try_for_each(|(array, values)| recorder.append_to_series(array, time, values))
 }
 
 /// Restores the run from a checkpoint, its own or that of the run that it continues.
@@ -323,7 +336,7 @@ fn finish_slab<const D: usize, const M: usize, R: Run>(
         recorder.step(&Snapshot { time: *time, displacement, velocities, flow, structure, averages })?;
     }
     if case.output.surfaces_every.is_some_and(|every| slab.is_multiple_of(every)) || run.is_done() {
-        run.surfaces().iter().try_for_each(|(array, values)| recorder.append_to_series(array, *time, values))?;
+        append_surfaces(run, recorder)?;
     }
     run.cut(directory, run.is_done())?;
     context.observer.state(&recorder.tell(&row, run.state()));

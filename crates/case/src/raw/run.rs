@@ -108,7 +108,7 @@ pub struct Output {
 pub struct Surfaces {
     /// The walls, by name.
     pub walls: Vec<String>,
-    /// The number of slabs between two distributions. Default: only the one at the end of the run.
+    /// The number of slabs between two distributions; that of a steady start comes first. Default: only the one at the end of the run.
     pub every: Option<usize>,
 }
 

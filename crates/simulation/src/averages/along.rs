@@ -100,7 +100,8 @@ impl<'a> AlongFiles<'a> {
             let line: Vec<LineNode> = group.iter().flat_map(|&number| all[number].1).copied().collect();
             let numbers = [points[group[0]], &self.on_line(&line)].concat();
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "{}", numbers.iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(","));
+            let _ =
+                writeln!(text, "{}", numbers.iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(","));
         }
         text
     }

@@ -74,8 +74,11 @@ fn describe(path: &Path, info: &ResultInfo, verbose: bool) -> String {
     for (key, time) in [("first time", info.times.first()), ("last time", info.times.last())] {
         steps.row(key, time.copied(), "");
     }
-    let fields: Vec<_> = info.layout.fields.iter().map(|field| field.name.as_str()).collect();
-    let exact: Vec<_> = info.layout.exact.iter().map(|array| array.name.as_str()).collect();
+    let mut fields: Vec<_> = info.layout.fields.iter().map(|field| field.name.as_str()).collect();
+    let mut exact: Vec<_> = info.layout.exact.iter().map(|array| array.name.as_str()).collect();
+    // The file lists them in no order.
+    fields.sort_unstable();
+    exact.sort_unstable();
     steps.row("fields", fields, "").row("coefficients", exact, "");
     let tables = [file, mesh, steps].into_iter().chain(verbose.then(|| checkpoint(info)));
     tables.map(|table| table.text()).collect::<Vec<_>>().join("\n")
