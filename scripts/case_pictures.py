@@ -41,6 +41,7 @@ DRAWN = {
     "cylinder_viv": ("vorticity", {"window": STREET, "range": "-2,2"}),
     "flapping_free": ("vorticity", {"window": "-0.75,-1.25,3.25,1.25", "range": "-20,20"}),
     "flapping_wing_3d": ("mach", {"window": VORTICES, "q_level": 0.3}),
+    "flexible_plate_3d": ("mach", {"window": "z=0.3"}),
     "flutter_airfoil": ("pressure", {"window": "-0.75,-0.75,1.75,0.75"}),
     "kelvin_helmholtz": ("density", {}),
     "manufactured": ("density", {}),
