@@ -324,5 +324,5 @@ fn refuses_bad_pictures(directory: &Path) {
     let words = ["report", "run", "--picture", "mach", "--range", "1"];
     stsolve(directory, &words).expect(2, &["two numbers with a comma between them"]);
     stsolve(directory, &["report", "run", "--picture", "mach", "--movie", "mach"]).expect(2, &["cannot be used with"]);
-    stsolve(directory, &["report", "run", "--no-edges"]).expect(2, &["--movie <FIELD>"]);
+    stsolve(directory, &["report", "run", "--no-edges"]).expect(2, &["--movie [<FIELD>]"]);
 }

@@ -136,6 +136,10 @@ pub struct About {
 /// (docs/src/speed.md). At order 2 it takes 1.2 times as much time.
 const LOW_ORDER_FROM: usize = 3;
 
+/// With bodies that the flow moves, the low-order preconditioner takes four times the iterations of blocks, and twice the time. Blocks serve as
+/// long as they take fewer bytes than this.
+const MOST_BYTES_OF_BLOCKS: usize = 2_000_000_000;
+
 impl AnyCase {
     /// Reads and checks the case file at `path`, with `options`, each `key.path=value`, written over it.
     ///
@@ -439,9 +443,24 @@ impl<const D: usize> Case<D> {
     /// The preconditioner of the flow in slabs: the given one, or the cheapest in time and memory.
     pub fn preconditioner(&self) -> Preconditioner {
         let order = self.flow.as_ref().map_or(0, |flow| flow.order);
-        let cheapest =
-            if D == 3 && order >= LOW_ORDER_FROM { Preconditioner::LowOrder } else { Preconditioner::Blocks };
+        let needs_blocks = self.has_moved_bodies() && self.bytes_of_blocks() <= MOST_BYTES_OF_BLOCKS;
+        let cheapest = match D == 3 && order >= LOW_ORDER_FROM && !needs_blocks {
+            true => Preconditioner::LowOrder,
+            false => Preconditioner::Blocks,
+        };
         self.solver.preconditioner.unwrap_or(cheapest)
+    }
+
+    /// Whether there are bodies or structures that the flow moves.
+    pub fn has_moved_bodies(&self) -> bool {
+        self.flow.is_some() && (!self.bodies.is_empty() || self.structure.is_some())
+    }
+
+    /// About the bytes of the preconditioner by blocks: the square of the unknowns of each cell, in single precision for the Jacobian and in
+    /// half precision for every factor.
+    fn bytes_of_blocks(&self) -> usize {
+        let block = self.flow.as_ref().map_or(0, |flow| flow.order.pow(D as u32) * (D + 2));
+        self.mesh.n_cells() * block * block * (4 + 2 * self.time.order)
     }
 
     /// Unknowns of the flow in a slab, 0 without a flow.

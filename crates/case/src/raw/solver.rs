@@ -25,7 +25,8 @@ pub struct Solver {
     pub krylov_restart: usize,
     /// The method for products with the Jacobian.
     pub jacobian: Jacobian,
-    /// The preconditioner of the flow. Default: `"low_order"` in three dimensions from `flow.order` = 3, otherwise `"blocks"`.
+    /// The preconditioner of the flow. Default: `"low_order"` in three dimensions from `flow.order` = 3, otherwise `"blocks"`. With bodies or
+    /// structures that the flow moves `"blocks"` as long as they take less than 2 GB.
     pub preconditioner: Option<Preconditioner>,
     /// The first guess of a slab.
     pub predictor: Predictor,

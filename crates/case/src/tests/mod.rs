@@ -75,6 +75,23 @@ fn case_files() -> Vec<PathBuf> {
     files
 }
 
+/// The low-order preconditioner of a flow in three dimensions took twice the time of blocks where the flow moves a plate.
+#[test]
+fn flows_that_move_bodies_have_blocks_as_long_as_these_are_small() {
+    let preconditioner = |name: &str, order: usize| {
+        let file = case_files().into_iter().find(|file| file.ends_with(format!("{name}.toml"))).unwrap();
+        match AnyCase::read(&file, &[format!("flow.order={order}")]).unwrap() {
+            AnyCase::Space(case) => case.preconditioner(),
+            AnyCase::Plane(case) => case.preconditioner(),
+        }
+    };
+    assert_eq!(preconditioner("flexible_plate_3d", 3), Preconditioner::Blocks);
+    assert_eq!(preconditioner("flexible_plate_3d", 8), Preconditioner::LowOrder, "4 GB of blocks");
+    assert_eq!(preconditioner("taylor_green_3d", 3), Preconditioner::LowOrder);
+    assert_eq!(preconditioner("taylor_green_3d", 2), Preconditioner::Blocks);
+    assert_eq!(preconditioner("turek_hron_fsi1", 8), Preconditioner::Blocks);
+}
+
 #[test]
 fn what_the_user_wrote_becomes_what_the_program_needs() {
     let case = plane(BASE, &[]);

@@ -240,8 +240,11 @@ fn preconditioner<const D: usize>(case: &Case<D>) -> String {
         Preconditioner::Lines => "lines of cells",
         Preconditioner::LowOrder => "low order",
     };
-    let reason =
-        if case.solver.preconditioner.is_some() { "as asked for" } else { "the cheapest for this dimension and order" };
+    let reason = match case.solver.preconditioner {
+        Some(_) => "as asked for",
+        None if case.has_moved_bodies() => "the cheapest for this dimension and order with bodies that the flow moves",
+        None => "the cheapest for this dimension and order",
+    };
     format!("MB, {name}, {reason}")
 }
 
