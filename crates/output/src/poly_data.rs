@@ -1,4 +1,4 @@
-//! Polygons with fields, as VTK's XML file of poly data (`.vtp`), which ParaView opens.
+//! Polygons with fields, as VTK's XML file of poly data (`.vtp`), which ParaView opens, and as a table of their corners.
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -39,6 +39,22 @@ impl PolyData {
             integers("offsets", &ends.collect::<Vec<_>>()),
         )
     }
+
+    /// A table of the corners: a row for each, with its position and its fields.
+    pub fn to_csv(&self) -> String {
+        let names = self.fields.iter().flat_map(|(spec, _)| match spec.components {
+            1 => vec![spec.name.clone()],
+            count => ["x", "y", "z"][..count].iter().map(|axis| format!("{}_{axis}", spec.name)).collect(),
+        });
+        let mut text = ["x", "y", "z"].map(str::to_owned).into_iter().chain(names).collect::<Vec<_>>().join(",") + "\n";
+        for (number, point) in self.points.chunks_exact(3).enumerate() {
+            let fields =
+                self.fields.iter().flat_map(|(spec, values)| &values[number * spec.components..][..spec.components]);
+            let numbers = point.iter().chain(fields).map(|number| format!("{number:?}")).collect::<Vec<_>>();
+            text += &(numbers.join(",") + "\n");
+        }
+        text
+    }
 }
 
 fn floats(name: &str, components: usize, values: &[f64]) -> String {
@@ -62,13 +78,31 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    #[test]
-    fn numbers_keep_their_bits() {
-        let triangle = PolyData {
+    fn triangle() -> PolyData {
+        let velocity = vec![1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 3.0, 0.5, 0.0];
+        let pressure = vec![0.1 + 0.2, 1.0, 2.0];
+        PolyData {
             points: vec![0.1, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0],
             polygons: vec![vec![0, 1, 2]],
-            fields: vec![(FieldSpec::scalar("pressure"), vec![0.1 + 0.2, 1.0, 2.0])],
-        };
+            fields: vec![(FieldSpec::scalar("pressure"), pressure), (FieldSpec::vector("velocity"), velocity)],
+        }
+    }
+
+    #[test]
+    fn a_table_has_a_row_for_each_corner() {
+        let text = triangle().to_csv();
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[0], "x,y,z,pressure,velocity_x,velocity_y,velocity_z");
+        assert_eq!(
+            (lines[1], lines[3]),
+            ("0.1,0.0,0.0,0.30000000000000004,1.0,0.0,0.0", "0.0,1.0,0.0,2.0,3.0,0.5,0.0")
+        );
+        assert_eq!(lines.len(), 4);
+    }
+
+    #[test]
+    fn numbers_keep_their_bits() {
+        let triangle = triangle();
         let text = triangle.to_xml(0.5);
         let encoded = text.split("Name=\"pressure\"").nth(1).unwrap().split(['>', '<']).nth(1).unwrap();
         let bytes = BASE64_STANDARD.decode(encoded).unwrap();

@@ -36,13 +36,17 @@ impl SliceSeries {
         self.write(&kept)
     }
 
-    /// Adds the slice of a time.
+    /// Adds the slice of a time, on request also as a table, `slab_NNNNNN.csv`.
     ///
     /// # Errors
     /// [`OutputError::File`] if the system refuses.
-    pub fn append(&self, slab: usize, time: f64, slice: &PolyData) -> Result<(), OutputError> {
+    pub fn append(&self, slab: usize, time: f64, slice: &PolyData, as_table: bool) -> Result<(), OutputError> {
         let file = format!("{}/slab_{slab:06}.vtp", self.name);
         write_atomically(&self.directory.join(&file), slice.to_xml(time).as_bytes())?;
+        if as_table {
+            let table = self.directory.join(&file).with_extension("csv");
+            write_atomically(&table, slice.to_csv().as_bytes())?;
+        }
         let mut entries = self.entries();
         entries.push(format!("<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{file}\"/>"));
         self.write(&entries)
@@ -79,13 +83,14 @@ mod tests {
         let series = SliceSeries::of(directory.path(), "wake");
         series.begin(None).unwrap();
         for slab in 0..4 {
-            series.append(slab, 0.1 * slab as f64, &PolyData::default()).unwrap();
+            series.append(slab, 0.1 * slab as f64, &PolyData::default(), slab == 1).unwrap();
         }
         assert_eq!(series.entries().len(), 4);
         series.begin(Some(0.1)).unwrap();
         let text = fs::read_to_string(directory.path().join("slice_wake.pvd")).unwrap();
         assert!(text.starts_with(HEAD) && text.ends_with(TAIL), "{text}");
         assert_eq!(series.entries().iter().filter_map(|entry| time_of(entry)).collect::<Vec<_>>(), [0.0, 0.1]);
-        assert!(directory.path().join("slice_wake/slab_000001.vtp").exists());
+        let has = |file: &str| directory.path().join("slice_wake").join(file).exists();
+        assert!(has("slab_000001.vtp") && has("slab_000001.csv") && !has("slab_000002.csv"));
     }
 }

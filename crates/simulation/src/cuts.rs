@@ -54,7 +54,7 @@ pub fn write<const D: usize, const M: usize>(
     }
     for slice in case.observed.slices.iter().filter(|slice| is_due(slice.every)) {
         let cut = slices::cut::<D, M>(flow, slice);
-        SliceSeries::of(directory, &slice.name).append(slabs, flow.time, &cut)?;
+        SliceSeries::of(directory, &slice.name).append(slabs, flow.time, &cut, slice.csv)?;
     }
     Ok(())
 }

@@ -77,7 +77,7 @@ const POLYNOMIAL: &str = r#"
         "density", "velocity", "temperature", "mach", "pressure_coefficient", "total_pressure", "total_temperature", "entropy",
         "q_criterion", "vorticity", "jacobian", "mesh_velocity", "displacement"] }
     probes.there = { at = [0.3, 0.4, 0.5], fields = ["vorticity", "total_temperature"] }
-    slices.oblique = { point = [0.5, 1, 0.5], normal = [1, 2, 3], fields = ["velocity", "pressure"], every = 2 }
+    slices.oblique = { point = [0.5, 1, 0.5], normal = [1, 2, 3], fields = ["velocity", "pressure"], every = 2, csv = true }
     slices.between_cells = { point = [0.5, 1, 0.5], normal = [1, 0, 0], parts = 1 }
     slices.boundary = { point = [0, 0, 1], normal = [0, 0, 1] }
     slices.outside = { point = [0, 0, 1.5], normal = [0, 0, 1] }
@@ -163,6 +163,10 @@ fn slices_lie_in_their_planes_and_hold_the_values_of_the_flow() {
     assert_eq!(series.matches("<DataSet ").count(), 2, "every second slab: {series}");
     assert!(series.contains("timestep=\"0.0001\"") && series.contains("slice_oblique/slab_000002.vtp"));
     assert!(!run.join("slice_oblique/slab_000001.vtp").exists());
+    let table = Table::read(&run.join("slice_oblique/slab_000000.csv"));
+    assert!(table.column("pressure") == pressure && table.column("velocity_y").len() == points.len());
+    assert!(table.column("z").iter().zip(&points).all(|(z, point)| *z == point[2]));
+    assert!(!run.join("slice_boundary/slab_000000.csv").exists(), "on request only");
 }
 
 /// Slices of a curved mesh that moves.

@@ -57,6 +57,8 @@ pub struct Slice<const D: usize> {
     pub every: usize,
     /// Parts into which each edge of a cell is divided.
     pub parts: usize,
+    /// Whether a table is written too.
+    pub csv: bool,
     /// Its fields.
     pub fields: Vec<Field>,
 }
@@ -217,6 +219,7 @@ fn slice<const D: usize>(
         normal: normal.map(|n| n / length),
         every: checker.at_least_one(&key.child("every"), "the number of slabs", raw.every)?,
         parts,
+        csv: raw.csv,
         fields: fields(checker, &key, &raw.fields)?,
     })
 }

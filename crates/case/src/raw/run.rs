@@ -231,6 +231,9 @@ pub struct Slice {
     pub every: usize,
     /// The number of parts into which each edge of a cell is divided, 1 to 32. Default: one less than the nodes of the flow.
     pub parts: Option<usize>,
+    /// Whether a table of its points is written too, slab_NNNNNN.csv beside each file for ParaView.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub csv: bool,
     /// Its fields.
     #[serde(default = "observed")]
     pub fields: Vec<Field>,
