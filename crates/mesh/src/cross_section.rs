@@ -161,6 +161,7 @@ pub fn clusters(points: &[&[f64]], tolerance: f64) -> Vec<Vec<usize>> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::{BoxMesh, Curving};
 
