@@ -11,7 +11,7 @@
 //! viscous_flux_j      = -<tau_ij' v_i'> / <rho>
 //! ```
 //!
-//! With a uniform density d_t k + <v> . grad k = production + pressure_dilatation - dissipation - the divergence of the three fluxes.
+//! With a uniform density `d_t k + <v> . grad k` = production + pressure_dilatation - dissipation - the divergence of the three fluxes.
 //! S. B. Pope, Turbulent Flows (2000), equation 5.164, has it for an incompressible fluid.
 
 use AveragedQuantity::{
