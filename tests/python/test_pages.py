@@ -44,6 +44,9 @@ def prepare(directory):
     case = stsolve.Case("cases/naca0012_heave.toml", {**HEAVE, "flow.order": 3, **OBSERVED})
     case.run(output="runs/airfoil")
     stsolve.Case("cases/vortex.toml", VORTEX).run(output="runs/vortex")
+    # Its profile is that of a channel.
+    profile = {"output.averages.from": 0, "output.averages.along": ["x"]}
+    stsolve.Case("cases/couette.toml", profile).run(output="runs/channel")
     for name in NAMES:
         os.symlink("airfoil", f"runs/{name}")
     os.symlink("runs/airfoil/result.vtkhdf", "result.vtkhdf")
