@@ -158,6 +158,9 @@ fn write_frames(
 ) -> Result<MovieFile, ReportError> {
     let run = RunFiles::read(directory)?;
     let reader = run.result.as_ref().map_err(|reason| ReportError::NoPicture(reason.clone()))?;
+    // Without a name, the first field of the page.
+    let field = if scenario.field.is_empty() { pictures::first_field(reader) } else { scenario.field };
+    let scenario = &Scenario { field, ..*scenario };
     let movie = draw(reader, scenario).map_err(|error| ReportError::NoPicture(error.to_string()))?;
     let path = directory.join(file_name(scenario, ending));
     output::write_atomically(&path, &movie.bytes)?;

@@ -300,6 +300,8 @@ fn every_wall_has_a_window_and_a_movie_every_step() {
     let picture = fs::read(directory.path().join("run/mach_0_0_1_1_last.png")).unwrap();
     assert!(picture.starts_with(b"\x89PNG") && !picture.windows(4).any(|name| name == b"acTL"));
     draws_every_field_of_the_flow(directory.path());
+    stsolve(directory.path(), &["report", "run", "--picture", "--window", "0,0,1,1", "--range=-1,1"]).expect(0, &[]);
+    assert_eq!(fs::read(directory.path().join("run/mach_0_0_1_1_last.png")).unwrap(), picture, "the first field");
     refuses_bad_pictures(directory.path());
 }
 

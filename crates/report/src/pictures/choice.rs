@@ -22,14 +22,20 @@ pub struct PictureField {
     pub label: Option<String>,
 }
 
-/// The field of a name: a quantity, or else a formula of the case. Without a name the first quantity.
+/// The name of the first field of the page.
+pub fn first_field(reader: &ResultReader) -> &'static str {
+    let arrays: Vec<&str> = reader.layout.exact.iter().map(|array| &array.name[..]).collect();
+    PictureQuantity::of(arrays.contains(&"flow"), &arrays)[0].name()
+}
+
+/// The field of a name: a quantity, or else a formula of the case.
 ///
 /// # Errors
 /// A name that is not known.
 pub fn field(reader: &ResultReader, name: &str) -> Result<PictureField, PictureError> {
     let arrays: Vec<&str> = reader.layout.exact.iter().map(|array| &array.name[..]).collect();
     let known = PictureQuantity::of_movies(arrays.contains(&"flow"), &arrays);
-    if let Some(quantity) = known.iter().find(|quantity| name.is_empty() || quantity.name() == name).copied() {
+    if let Some(quantity) = known.iter().find(|quantity| quantity.name() == name).copied() {
         let medium = if quantity.needs_case() { PictureMedium::full(reader) } else { PictureMedium::simple(reader) };
         return Ok(PictureField { quantity, medium: medium?, label: None });
     }

@@ -31,6 +31,7 @@ mod wall;
 mod window;
 
 pub use animation::MovieFormat;
+pub use choice::first_field;
 pub use colour::{ColourMap, css};
 pub use cuts::Cut;
 pub use error::PictureError;

@@ -16,7 +16,7 @@ use crate::html::{legend_texts, with_digits};
 /// What a movie or a picture shows.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Scenario<'a> {
-    /// The name of the field.
+    /// The name of the field; empty for the first one of the page.
     pub field: &'a str,
     /// The window: its name in the page, a box `x0,y0,x1,y1`, or in three dimensions a plane such as `z=0.5`. Without it the first window is shown.
     pub window: Option<&'a str>,
