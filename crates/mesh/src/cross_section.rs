@@ -18,6 +18,8 @@ pub struct CrossSection {
     pub remaining: Vec<usize>,
     /// Nodes per direction.
     pub order: usize,
+    /// Points that differ by less along each axis are one.
+    pub tolerance: f64,
     /// The stacks, in the order of their centres, the first of the remaining axes first.
     pub stacks: Vec<Stack>,
 }
@@ -67,7 +69,7 @@ impl<const D: usize> Mesh<D> {
         let centres: Vec<&[f64]> = cells.iter().map(|cell| &cell.centre[..]).collect();
         let groups = clusters(&centres, seen.tolerance);
         let stacks = groups.iter().map(|stack| seen.united(&cells, stack)).collect::<Option<_>>()?;
-        Some(CrossSection { stacks, remaining, order })
+        Some(CrossSection { stacks, order, tolerance: seen.tolerance, remaining })
     }
 }
 

@@ -30,8 +30,6 @@ pub struct AlongFiles<'a> {
     section: CrossSection,
     /// Nodes per cell of the mesh.
     nodes: usize,
-    /// Points that differ by less are one.
-    tolerance: f64,
 }
 
 impl<'a> AlongFiles<'a> {
@@ -44,7 +42,7 @@ impl<'a> AlongFiles<'a> {
         let (moments, nodes) = (Moments::new::<D>(&wanted.fields), order.pow(D as u32));
         let section = mesh.cross_section(order, &wanted.along)?;
         let sums = (0..mesh.n_cells()).map(|cell| sums.sums_of_cell(&moments, cell, nodes, None)).collect();
-        Some(AlongFiles { moments, sums, section, nodes, tolerance: 1e-9 * mesh.diameter() })
+        Some(AlongFiles { moments, sums, section, nodes })
     }
 
     /// Writes the files into `directory`.
@@ -96,7 +94,7 @@ impl<'a> AlongFiles<'a> {
             .flat_map(|stack| stack.points.iter().map(Vec::as_slice).zip(stack.lines.iter().map(Vec::as_slice)))
             .collect();
         let points: Vec<&[f64]> = all.iter().map(|(point, _)| *point).collect();
-        for group in clusters(&points, self.tolerance) {
+        for group in clusters(&points, self.section.tolerance) {
             let line: Vec<LineNode> = group.iter().flat_map(|&number| all[number].1).copied().collect();
             let numbers = [points[group[0]], &self.on_line(&line)].concat();
             // Writing to a string cannot fail.
@@ -109,9 +107,7 @@ impl<'a> AlongFiles<'a> {
     /// Every stack is a cell of the file.
     fn write_viewer_file(&self, path: &Path) -> Result<(), OutputError> {
         let (order, stacks) = (self.section.order, &self.section.stacks);
-        // A viewer needs two points.
-        let n = order.max(2);
-        let sampler = Sampler::<2>::new(order, order, &basis::equidistant_points(n));
+        let sampler = Sampler::<2>::new(order, order, &basis::equidistant_points(order));
         let coefficients: Vec<Vec<f64>> = stacks.iter().map(|stack| self.on_stack(stack)).collect();
         let (mut first, mut arrays) = (0, Vec::new());
         for average in &self.moments.averages {
@@ -121,7 +117,7 @@ impl<'a> AlongFiles<'a> {
             first += length;
         }
         let fields = self.moments.averages.iter().map(spec).collect();
-        let grid = Grid { dimension: 2, points_per_direction: n, cells: stacks.len() };
+        let grid = Grid { dimension: 2, points_per_direction: order, cells: stacks.len() };
         let file = ViewerFile::create(path, FileLayout { grid, fields, exact: Vec::new() })?;
         let points: Vec<f64> = stacks.iter().flat_map(|stack| self.positions(stack, &sampler)).collect();
         let names = self.moments.averages.iter().map(|average| &average.name[..]);
