@@ -1,9 +1,10 @@
 //! Checks used by several sections of a case. Every method names the key of its error.
 
+use super::cause::Cause;
 use super::choices::choices;
 use super::consequences::Damage;
 use super::document::Document;
-use super::error::{CaseError, Cause, Errors, collected};
+use super::error::{CaseError, Errors, collected};
 use super::key::Key;
 use super::magnitude::{self, is_computable};
 use super::raw::{Axis, Field, Formula};
@@ -168,8 +169,10 @@ impl<'a> Checker<'a> {
 
     /// `value`, if it is positive and finite.
     pub(super) fn positive(&self, key: &Key, quantity: &str, value: f64) -> Checked<f64> {
-        self.require(key, quantity, value > 0.0 && value.is_finite(), "a positive number")?;
-        Ok(value)
+        let is_positive = value > 0.0 && value.is_finite();
+        is_positive
+            .then_some(value)
+            .ok_or_else(|| self.error(key, Cause::NotPositive { quantity: quantity.to_owned() }))
     }
 
     /// Whether the program can compute with the `value` of a formula.
@@ -218,6 +221,11 @@ impl<'a> Checker<'a> {
     /// An error of two keys that exclude or need each other.
     pub(super) fn combination(&self, key: &Key, problem: &str, accepted: &str) -> Box<CaseError> {
         self.error(key, Cause::Combination { problem: problem.to_owned(), accepted: accepted.to_owned() })
+    }
+
+    /// An error of a key that the number of dimensions of the mesh excludes.
+    pub(super) fn dimension(&self, key: &Key, problem: &str, accepted: &str) -> Box<CaseError> {
+        self.error(key, Cause::Dimension { problem: problem.to_owned(), accepted: accepted.to_owned() })
     }
 
     /// One entry per axis.

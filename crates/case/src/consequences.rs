@@ -3,7 +3,8 @@
 //! A case with errors is checked as far as it can be read. What was removed or replaced on the way is the damage. An error that the
 //! damage may have caused is not reported.
 
-use super::error::{CaseError, Cause};
+use super::cause::Cause;
+use super::error::CaseError;
 use super::key::{Key, Step};
 
 /// Sections on which no other section depends.
@@ -99,6 +100,8 @@ fn explains(damaged: &str, error: &CaseError) -> bool {
     let table = damaged.rsplit_once('.').map_or("", |(table, _)| table);
     match error.cause {
         Cause::OutOfRange { .. } => of_damage == of_error && is_related(damaged, table, &error.key),
+        // What is written at one place says nothing about what is written at another.
+        _ if of_damage == "output" => table != of_damage && within(&error.key, table),
         _ => of_damage == of_error || !INDEPENDENT.contains(&of_damage),
     }
 }
@@ -122,6 +125,8 @@ fn is_local(cause: &Cause) -> bool {
             | Cause::Length { .. }
             | Cause::Entries { .. }
             | Cause::Twice { .. }
+            | Cause::NotPositive { .. }
+            | Cause::Dimension { .. }
     )
 }
 
@@ -150,6 +155,8 @@ mod tests {
     fn errors_that_may_follow_are_told_from_others() {
         let range = || Cause::OutOfRange { quantity: String::new(), accepted: String::new() };
         let conflict = || Cause::Combination { problem: String::new(), accepted: String::new() };
+        let positive = || Cause::NotPositive { quantity: String::new() };
+        let dimension = || Cause::Dimension { problem: String::new(), accepted: String::new() };
         let length = || Cause::Length { found: 1, dimension: 2 };
         for (damaged, key, cause, follows) in [
             ("flow.riemann", "flow", conflict(), true),
@@ -159,6 +166,10 @@ mod tests {
             ("flow.initial.uniform.mach", "flow.initial.uniform.velocity", range(), true),
             ("flow.initial.uniform.mach", "flow.boundary.left.adiabatic_wall.slide", length(), false),
             ("output.fields", "flow", conflict(), false),
+            ("output.fields", "output.surfaces.walls", conflict(), false),
+            ("output.lines.a.to", "output.lines.a", conflict(), true),
+            ("flow.gas", "flow.boundary.left.far_field.mach", positive(), false),
+            ("flow.gas", "output.slices.a", dimension(), false),
             ("flow", "", conflict(), true),
             ("motion.elasticity", "output.probes.a.at", length(), false),
         ] {

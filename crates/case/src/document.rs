@@ -1,8 +1,9 @@
 //! The TOML document of a case, with the place of every key and value.
 
 use super::brackets;
+use super::cause::{Cause, LONGEST_VALUE, ONE_OF_SEVERAL};
 use super::choices::{choice_of_number, choices, example};
-use super::error::{CaseError, Cause, LONGEST_VALUE, ONE_OF_SEVERAL, Place};
+use super::error::{CaseError, Place};
 use super::key::{Key, Step};
 use crate::excerpt::shortened;
 use crate::input_file;

@@ -53,6 +53,7 @@
 mod any_mesh;
 mod boundary_motion;
 mod brackets;
+mod cause;
 mod checked;
 mod checker;
 mod choices;
@@ -81,11 +82,12 @@ mod vector;
 
 pub use any_mesh::{AnyMesh, MeshFileError};
 pub use boundary_motion::{BoundaryMotion, DisplacementOf, NormalMotion, RigidMotion, RigidStep};
+pub use cause::Cause;
 pub use checked::*;
 pub use continuation::{Difference, Differences, differences, differences_after, lasting_of};
 pub use coupled::rounded_time;
 pub use document::Document;
-pub use error::{CaseError, Cause, Place};
+pub use error::{CaseError, Place};
 pub use fields::FieldFormula;
 pub use point_data::PointData;
 pub use raw::{editor_schema, schema};

@@ -1,6 +1,6 @@
 //! The numbers that the program can compute with.
 
-use super::error::Cause;
+use super::cause::Cause;
 use super::key::Key;
 use toml::de::{DeTable, DeValue};
 

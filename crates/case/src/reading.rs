@@ -3,11 +3,12 @@
 //! A key with an error is removed, or replaced by a value of the right type where one is needed, and the rest is read again. What was removed
 //! or replaced is the [`Damage`]. An error that follows from it is not reported.
 
+use super::cause::Cause;
 use super::checker::{Checked, Checker, Sound};
 use super::choices;
 use super::consequences::Damage;
 use super::document::Document;
-use super::error::{CaseError, Cause, Errors};
+use super::error::{CaseError, Errors};
 use super::key::{Key, Step};
 use super::magnitude;
 use super::raw::{self, Formula};

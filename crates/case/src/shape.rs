@@ -5,7 +5,7 @@
 //! the whole document is first compared with the schema. All other errors of values are left to the deserialiser. It also finds the texts
 //! where numbers are needed: formulas of constants.
 
-use super::error::Cause;
+use super::cause::Cause;
 use super::key::Key;
 use super::raw;
 use serde_json::Value as Schema;
@@ -103,7 +103,9 @@ impl<'a> Walk<'a> {
                 None => {
                     let mut cause = unknown(name.get_ref(), alternatives);
                     if let Cause::Unknown { belongs, .. } = &mut cause {
-                        *belongs = self.table_with(&named, name.get_ref());
+                        *belongs = self
+                            .table_with(&named, name.get_ref())
+                            .or_else(|| self.inner_table_with(&named, name.get_ref()));
                     }
                     self.add(name.span().start, key, cause);
                 }
@@ -118,8 +120,14 @@ impl<'a> Walk<'a> {
             let inner = self.alternatives(schema);
             inner.iter().any(|a| a["properties"][name].is_object()) || is_alone(&inner, name)
         };
-        let mut found = keys.filter(|(_, schema)| accepts(schema)).map(|(key, _)| key.clone());
-        found.next().filter(|_| found.next().is_none())
+        only(keys.filter(|(_, schema)| accepts(schema)).map(|(key, _)| key.clone()))
+    }
+
+    /// The same, one table further inside.
+    fn inner_table_with(&self, tables: &[&'a Schema], name: &str) -> Option<String> {
+        let keys = tables.iter().filter_map(|a| a["properties"].as_object()).flatten();
+        let inner = |(key, schema)| Some(format!("{key}.{}", self.table_with(&self.alternatives(schema), name)?));
+        only(keys.filter_map(inner))
     }
 
     fn list(&mut self, alternatives: &[&'a Schema], offset: usize, entries: &[Spanned<DeValue<'_>>], key: &Key) {
@@ -155,6 +163,11 @@ impl<'a> Walk<'a> {
         let inner = lists.flatten().flat_map(|inner| self.alternatives(inner));
         std::iter::once(schema).chain(inner).collect()
     }
+}
+
+/// The only one of `found`; None if there are none or several.
+fn only(mut found: impl Iterator<Item = String>) -> Option<String> {
+    found.next().filter(|_| found.next().is_none())
 }
 
 /// Whether `name` is a choice without settings.

@@ -1,7 +1,7 @@
 //! The tensor of inertia of a rigid body.
 
+use crate::cause::Cause;
 use crate::checker::{Checked, Checker};
-use crate::error::Cause;
 use crate::key::Key;
 use crate::raw::{self, InertiaEntry};
 
@@ -27,7 +27,7 @@ pub(super) fn check<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw:
         }
         (Some(_), None) if D == 2 => {
             let problem = "in two dimensions a body turns about z alone";
-            Err(checker.combination(&key.child("inertia"), problem, "`moment_of_inertia`"))
+            Err(checker.dimension(&key.child("inertia"), problem, "`moment_of_inertia`"))
         }
         (Some(entries), None) => of_entries(checker, &key.child("inertia"), entries),
         (None, given) => of_moment(checker, key, raw, given.as_ref()),

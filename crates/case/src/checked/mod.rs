@@ -550,7 +550,7 @@ fn collect_defaults(document: &Document, key: &Key, value: &toml::Value, default
 fn unit_axis<const D: usize>(checker: &Checker<'_>, key: &Key, axis: [f64; 3], what: &str) -> Checked<[f64; 3]> {
     if D == 2 {
         let problem = format!("in two dimensions {what} has no axis but that along z");
-        return Err(checker.combination(key, &problem, "no `axis`"));
+        return Err(checker.dimension(key, &problem, "no `axis`"));
     }
     let length = tensor::norm(&axis);
     checker.require(key, "the axis", length > 0.0 && length.is_finite(), "three numbers that are not all zero")?;

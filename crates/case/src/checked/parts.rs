@@ -1,8 +1,8 @@
 //! The parts of a mesh that a structure and a flow fill.
 
 use super::mesh_crate::{Mesh, MeshError, Part};
+use crate::cause::Cause;
 use crate::checker::{Checked, Checker};
-use crate::error::Cause;
 use crate::key::Key;
 use crate::raw;
 use std::collections::BTreeSet;

@@ -204,7 +204,7 @@ fn slice<const D: usize>(
 ) -> Checked<Slice<D>> {
     if D == 2 {
         let problem = "a plane through a two-dimensional mesh is the mesh itself";
-        return Err(checker.combination(&key, problem, "`output.lines`, or a mesh of three dimensions"));
+        return Err(checker.dimension(&key, problem, "`output.lines`, or a mesh of three dimensions"));
     }
     file_name(checker, &key, name)?;
     let normal: [f64; D] = checker.finite_vector(&key.child("normal"), "the component", &raw.normal)?;

@@ -1,6 +1,7 @@
 //! Prescribed states.
 
 use crate::checker::{Checked, Checker};
+use crate::error::{both, collected};
 use crate::key::Key;
 use crate::raw;
 use crate::state::{Formulas, State};
@@ -95,14 +96,12 @@ pub(super) fn free_stream<const D: usize>(
     raw: &raw::FreeStream,
     gas: Gas,
 ) -> Checked<Primitive<f64, D>> {
-    let density = checker.positive(&key.child("density"), "the density", raw.density)?;
-    let velocity: [f64; D] = checker.finite_vector(&key.child("velocity"), "the velocity", &raw.velocity)?;
+    let velocity = checker.finite_vector(&key.child("velocity"), "the velocity", &raw.velocity);
+    let ((), velocity): ((), [f64; D]) = both(check_signs(checker, key, raw), velocity)?;
+    let density = raw.density;
     let pressure = match (raw.pressure, raw.temperature, raw.mach) {
-        (Some(pressure), None, None) => checker.positive(&key.child("pressure"), "the pressure", pressure)?,
-        (None, Some(temperature), None) => {
-            let temperature = checker.positive(&key.child("temperature"), "the temperature", temperature)?;
-            density * gas.gas_constant() * temperature
-        }
+        (Some(pressure), None, None) => pressure,
+        (None, Some(temperature), None) => density * gas.gas_constant() * temperature,
         (None, None, Some(mach)) => pressure_of_mach(checker, key, density, &velocity, mach, gas)?,
         (None, None, None) => return Err(checker.combination(key, "the pressure is missing", ONE_OF_THREE)),
         _ => return Err(checker.combination(key, "the pressure is given more than once", ONE_OF_THREE)),
@@ -110,6 +109,20 @@ pub(super) fn free_stream<const D: usize>(
     let stream = Primitive { density, velocity, pressure };
     check_mach(checker, &key.child(if raw.mach.is_some() { "mach" } else { "velocity" }), &stream, gas)?;
     Ok(stream)
+}
+
+/// Checks that the numbers of a uniform state besides its velocity are positive.
+fn check_signs(checker: &Checker<'_>, key: &Key, raw: &raw::FreeStream) -> Checked<()> {
+    let given = [
+        ("density", "the density", Some(raw.density)),
+        ("pressure", "the pressure", raw.pressure),
+        ("temperature", "the temperature", raw.temperature),
+        ("mach", "the Mach number", raw.mach),
+    ];
+    let positive = |(name, quantity, value): (_, _, Option<f64>)| {
+        value.map(|value| checker.positive(&key.child(name), quantity, value))
+    };
+    collected(given.into_iter().filter_map(positive)).map(drop)
 }
 
 /// The highest Mach number. The pressure follows from the total minus the kinetic energy, which is M^2 gamma (gamma - 1) / 2 times the
@@ -133,7 +146,6 @@ fn pressure_of_mach<const D: usize>(
     mach: f64,
     gas: Gas,
 ) -> Checked<f64> {
-    let mach = checker.positive(&key.child("mach"), "the Mach number", mach)?;
     let speed = tensor::norm(velocity);
     if speed == 0.0 {
         let problem = "a Mach number does not give the pressure of a gas at rest";

@@ -1,7 +1,8 @@
 //! Distributions along walls.
 
+use crate::cause::Cause;
 use crate::checker::{Checked, Checker};
-use crate::error::{Cause, collected};
+use crate::error::collected;
 use crate::key::Key;
 use crate::raw;
 
@@ -18,10 +19,10 @@ pub(super) fn check(
     let is_whole = flow.is_none_or(|flow| {
         checker.by_boundary(&Key::new("flow.boundary"), "flow condition", &flow.boundary, boundaries).is_ok()
     });
-    if !is_whole || checker.damage().hides_conditions() {
-        return Ok(());
-    }
     let key = Key::new("output").child("surfaces").child("walls");
+    if !is_whole || checker.damage().hides_conditions() {
+        return check_names(checker, &key, &raw.walls, boundaries);
+    }
     let walls = conditions.iter().flatten().filter(|(.., condition)| condition.is_wall());
     let walls: Vec<String> = walls.map(|(index, ..)| boundaries[*index].clone()).collect();
     if walls.is_empty() {
@@ -33,9 +34,14 @@ pub(super) fn check(
         let accepted = format!("some of {}, or no section [output.surfaces]", walls.join(", "));
         return Err(checker.combination(&key, "the list of walls is empty", &accepted));
     }
-    let names = checker.distinct(&key, "wall", &raw.walls)?.iter().enumerate();
+    check_names(checker, &key, &raw.walls, &walls)
+}
+
+/// Checks that the `names` are different names of `walls`.
+fn check_names(checker: &Checker<'_>, key: &Key, names: &[String], walls: &[String]) -> Checked<()> {
+    let names = checker.distinct(key, "wall", names)?.iter().enumerate();
     let unknown = names.filter(|(_, name)| !walls.contains(name)).map(|(index, name)| {
-        let cause = Cause::Unknown { kind: "wall", name: name.clone(), accepted: walls.clone(), belongs: None };
+        let cause = Cause::Unknown { kind: "wall", name: name.clone(), accepted: walls.to_vec(), belongs: None };
         Err(checker.error(&key.entry(index), cause))
     });
     collected::<()>(unknown).map(drop)

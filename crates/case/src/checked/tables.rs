@@ -1,7 +1,7 @@
 //! `[tables]`
 
+use crate::cause::Cause;
 use crate::checker::{Checked, Checker};
-use crate::error::Cause;
 use crate::expression::{Ends, Table, TableError};
 use crate::input_file::{self, LARGEST_TABLE};
 use crate::key::Key;

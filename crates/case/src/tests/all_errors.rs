@@ -80,6 +80,28 @@ fn a_wrong_initial_state_does_not_hide_motion_and_output() {
     assert_all(&errors_of(&text, &[]), &parts);
 }
 
+/// Signs, dimensions and names of boundaries are told beside errors on which other parts of the same sections depend.
+#[test]
+fn signs_dimensions_and_names_are_told_beside_damage() {
+    let text = edited(&[
+        ("order = 4", "order = 4\ngas.viscosity = 0.002"),
+        (
+            "left = \"slip_wall\"",
+            "left = { no_slip = {} }\nright = { far_field = { velocity = [1, 0, 0], mach = -0.2 } }",
+        ),
+    ]) + "[output]\nfields = [\"cp\"]\nsurfaces.walls = [\"wing\"]\nslices.a = { point = [0, 0], normal = [0, 1] }\n";
+    let parts = [
+        "`flow.gas.viscosity = 0.002`",
+        "unknown choice `no_slip`",
+        "far_field.velocity = [1, 0, 0]",
+        "far_field.mach = -0.2",
+        "unknown choice `cp`",
+        "unknown wall `wing`",
+        "a plane through a two-dimensional mesh",
+    ];
+    assert_all(&errors_of(&text, &[]), &parts);
+}
+
 /// One mistake is one error, whatever depends on it.
 #[test]
 fn one_mistake_is_one_error() {
@@ -132,6 +154,7 @@ fn choices_are_shown_as_they_are_written() {
         ("gas = { viscosity = \"reynolds\" }", "`{ reynolds = 1.0 }`"),
         ("gas = { viscosity = \"sutherland\" }", "`{ sutherland = { ... } }`"),
         ("gas = { reynolds = 1000 }", "`viscosity = { reynolds = ... }`"),
+        ("reynolds = 1000", "`gas.viscosity = { reynolds = ... }`"),
     ] {
         let message =
             check_text(&edited(&[("order = 4", &format!("order = 4\n{edit}"))]), &[]).unwrap_err().to_string();

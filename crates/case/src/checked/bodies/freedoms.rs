@@ -27,7 +27,7 @@ impl<const D: usize> Given<'_, D> {
             let Some(freedom) = freedom else { continue };
             let key = key.child(name);
             if D == 2 && !["x", "y", "rotation"].contains(&name) {
-                return Err(self.checker.combination(&key, "the mesh is two-dimensional", "`x`, `y`, `rotation`"));
+                return Err(self.checker.dimension(&key, "the mesh is two-dimensional", "`x`, `y`, `rotation`"));
             }
             freedoms.push(self.freedom(&key, (name, direction), freedom)?);
         }

@@ -2,7 +2,7 @@
 
 use super::camber::{Contour, foremost};
 use super::point_file;
-use crate::error::Cause;
+use crate::cause::Cause;
 use crate::expression::{Ends, Table};
 use std::path::Path;
 

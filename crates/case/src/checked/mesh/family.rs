@@ -1,8 +1,8 @@
 //! Common parts of all generators: the keys of errors, and the limit of the size of a mesh.
 
 use crate::CaseError;
+use crate::cause::Cause;
 use crate::checker::{Checked, Checker};
-use crate::error::Cause;
 use crate::key::Key;
 use crate::memory;
 use ::mesh::MeshError;

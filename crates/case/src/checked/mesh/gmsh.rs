@@ -1,8 +1,8 @@
 //! `mesh.file`
 
 use crate::any_mesh::{AnyMesh, MeshFileError};
+use crate::cause::Cause;
 use crate::checker::{Checked, Checker};
-use crate::error::Cause;
 use crate::key::Key;
 use crate::raw;
 use ::mesh::{GmshError, Simplices};

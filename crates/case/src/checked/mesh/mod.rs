@@ -20,8 +20,9 @@ mod turbine_blade;
 
 use super::order;
 use crate::any_mesh::AnyMesh;
+use crate::cause::Cause;
 use crate::checker::{Checked, Checker};
-use crate::error::{Cause, Errors};
+use crate::error::Errors;
 use crate::key::Key;
 use crate::raw::{AirfoilGenerator, ChannelFlagGenerator, Extrude, Generate, Mesh as Raw, TurbineBladeGenerator};
 use ::mesh::generate::Extrusion;
@@ -79,7 +80,7 @@ fn generated(checker: &Checker<'_>, raw: &Raw, generate: &Generate) -> Checked<A
     errors.note(refuse_keys_of_files(checker, raw));
     let has_order = errors.is_empty();
     let mesh = errors.note(of_generator(checker, generate, order).map_err(|error| match error.cause {
-        Cause::Mesh(MeshError::Parameter { .. }) | Cause::OutOfRange { .. } => error,
+        Cause::Mesh(MeshError::Parameter { .. }) | Cause::OutOfRange { .. } | Cause::NotPositive { .. } => error,
         _ if has_order => error,
         _ => checker.follows(&Key::new("mesh")),
     }));

@@ -1,6 +1,6 @@
 //! Text files of points in the plane.
 
-use crate::error::Cause;
+use crate::cause::Cause;
 use crate::input_file::{self, LARGEST_TABLE};
 use std::path::Path;
 
