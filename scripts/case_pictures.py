@@ -15,6 +15,7 @@ import pathlib
 import shutil
 import subprocess
 import sys
+import tomllib
 
 import PIL.Image
 
@@ -65,8 +66,12 @@ DRAWN = {
 UNIFORM = {"free_stream", "free_stream_3d"}
 # Parts of meshes that move without a flow, x0 x1 y0 y1.
 WINDOW = {"airfoil_motion": (-0.6, 1.6, 0, 2)}
-# From where a mesh in three dimensions is seen.
-DIRECTION = {"free_stream_3d": (1.0, 0.7, 0.5), "channel_roughness_3d": (0.6, 1.6, 1.2), "turbine_blade_roughness_3d": (-1.0, 0.8, 1.0)}
+# From where a mesh in three dimensions is seen, and which part of it.
+VIEW = {
+    "free_stream_3d": ["--from", 1.0, 0.7, 0.5],
+    "channel_roughness_3d": ["--from", 0.6, 1.6, 1.2, "--zoom", 0.98],
+    "turbine_blade_roughness_3d": ["--from", -0.55, 0.5, 1.0, "--focus", 0.45, 0.25, 0.2, "--zoom", 3.4],
+}
 
 # The movie of README.md.
 MOVIE = "naca0012_heave_pitch"
@@ -91,10 +96,15 @@ def shown(name, run, summary, picture):
     if summary["mesh"]["dimension"] == 2:
         window = ["--window", *WINDOW[name]] if name in WINDOW else []
         return by_script("mesh at the end", "plot_mesh.py", result, "--output", picture, *window)
-    if name in DIRECTION:
-        arguments = ["--field", "jacobian", "--width", WIDTH, "--from", *DIRECTION[name]]
+    if name in VIEW:
+        arguments = ["--field", "jacobian", "--width", WIDTH, "--title", title(name), *VIEW[name]]
         return by_script("surface of the mesh at the end, by det J / det J_0", "render_vtk.py", result, picture, *arguments)
     return None
+
+
+def title(name):
+    """The title of a case."""
+    return tomllib.loads((ROOT / "cases" / f"{name}.toml").read_text())["title"]
 
 
 def by_program(name, run, picture):

@@ -33,6 +33,7 @@ TICKS = (0.1, 0.2, 0.3, 0.5, 0.7, 0.8, 0.9, 1, 1.1, 1.25, 1.4, 2, 3, 5, 10)
 INVERTED = 1e-9
 # Inches.
 BAR_WIDTH = 0.12
+LOW = 1.6
 INK, PAPER, WRONG = "#26323d", "#ffffff", "#d1242f"
 SCALED = LinearSegmentedColormap.from_list("scaled", ["#16425b", "#2f7f9e", "#8dc1c9", "#d9ecea", "#f7fbfa"])
 DEFORMATION = LinearSegmentedColormap.from_list(
@@ -178,7 +179,9 @@ def add_bar(figure, grid, colour):
     """The scale of the colours, beside all panels."""
     scale = matplotlib.cm.ScalarMappable(colour.norm, colour.map)
     bar = figure.colorbar(scale, ax=grid, fraction=0.03, pad=0.01, aspect=figure.get_figheight() / BAR_WIDTH)
-    bar.set_label(colour.label, fontsize=7.5, color=INK)
+    # Beside a low picture the label needs two lines.
+    label = colour.label if figure.get_figheight() > LOW else colour.label.replace(" / ", " /\n")
+    bar.set_label(label, fontsize=7.5, color=INK)
     bar.outline.set_linewidth(0.4)
     if colour.what == "deformation":
         ticks = [tick for tick in TICKS if colour.norm.vmin <= tick <= colour.norm.vmax]

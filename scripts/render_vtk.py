@@ -2,11 +2,12 @@
 """Draws a field of a result file with VTK, off-screen, curved cells as curved, and keeps it as PNG.
 
     render_vtk.py RESULT PNG [--field mach] [--time T] [--range LOWER UPPER] [--window X0 Y0 X1 Y1] [--width 1000] [--level 4]
-                  [--from X Y Z]
+                  [--from X Y Z [--focus X Y Z] [--zoom Z]] [--title TITLE]
 
 ParaView shows the same with a *Nonlinear Subdivision Level* of --level. Without --time the last step is drawn,
 without --range the colours span the values, without --window the whole domain is shown. --from looks at the surface of a body in three
-dimensions from that direction, in a light that shows its shape. Needs the Python packages vtk (9.3 or newer) and numpy.
+dimensions from that direction, in a light that shows its shape; --focus is the point in the middle of the picture. --title is written above, and
+adds a bar of the colours. Needs the Python packages vtk (9.3 or newer) and numpy.
 """
 
 import argparse
@@ -19,6 +20,8 @@ from check_vtk import open_result, read_step
 
 # Where nothing is drawn.
 GROUND = (1.0, 1.0, 1.0)
+# What the bar of the colours calls a field, unless it has a plain name.
+NAMES = {"jacobian": "det J / det J_0", "mach": "Mach number"}
 
 
 def viridis(count=240):
@@ -62,19 +65,62 @@ def render(grid, field, limits, colours, window, size, level=4, ground=GROUND):
     return pixels(renderer, size)
 
 
-def render_from(direction, grid, field, limits, colours, width, level=4):
+def render_from(grid, limits, arguments):
     """As `render`, seen from a direction, with y upwards, in light."""
-    actor = coloured(grid, field, limits, colours, level)
+    actor = coloured(grid, arguments.field, limits, viridis(), arguments.level)
     actor.GetProperty().SetAmbient(0.35)
     renderer = scene(actor, GROUND)
     camera = renderer.GetActiveCamera()
     camera.ParallelProjectionOn()
     camera.SetFocalPoint(0.0, 0.0, 0.0)
-    camera.SetPosition(*direction)
+    camera.SetPosition(*arguments.direction)
     camera.SetViewUp(0.0, 1.0, 0.0)
     renderer.ResetCamera()
-    camera.Zoom(1.1)
-    return pixels(renderer, (width, width // 2))
+    if arguments.focus:
+        look_at(camera, arguments.focus)
+    camera.Zoom(arguments.zoom)
+    if arguments.title:
+        label(renderer, actor, arguments)
+    return pixels(renderer, (arguments.width, arguments.width // 2))
+
+
+def look_at(camera, focus):
+    """Moves the camera, without turning it, until `focus` is in the middle."""
+    shift = np.subtract(focus, camera.GetFocalPoint())
+    camera.SetPosition(*np.add(camera.GetPosition(), shift))
+    camera.SetFocalPoint(*focus)
+
+
+def label(renderer, actor, arguments):
+    """Writes the title above, and adds the bar of the colours on the right."""
+    title = vtk.vtkTextActor()
+    title.SetInput(arguments.title)
+    title.GetPositionCoordinate().SetCoordinateSystemToNormalizedViewport()
+    title.SetPosition(0.01, 0.93)
+    plain(title.GetTextProperty(), 17)
+    bar = vtk.vtkScalarBarActor()
+    bar.SetLookupTable(actor.GetMapper().GetLookupTable())
+    bar.SetTitle(NAMES.get(arguments.field, arguments.field))
+    bar.SetNumberOfLabels(5)
+    bar.SetLabelFormat("%.2f")
+    bar.UnconstrainedFontSizeOn()
+    for text in (bar.GetTitleTextProperty(), bar.GetLabelTextProperty()):
+        plain(text, 14)
+    bar.SetBarRatio(0.2)
+    bar.SetPosition(0.85, 0.15)
+    bar.SetWidth(0.13)
+    bar.SetHeight(0.7)
+    renderer.AddViewProp(title)
+    renderer.AddViewProp(bar)
+
+
+def plain(text, size):
+    """Letters without ornament."""
+    text.SetColor(0.1, 0.1, 0.1)
+    text.SetFontSize(size)
+    text.BoldOff()
+    text.ItalicOff()
+    text.ShadowOff()
 
 
 def coloured(grid, field, limits, colours, level):
@@ -154,6 +200,9 @@ def main():
     parser.add_argument("--width", type=int, default=1000)
     parser.add_argument("--level", type=int, default=4)
     parser.add_argument("--from", type=float, nargs=3, dest="direction", metavar=("X", "Y", "Z"))
+    parser.add_argument("--focus", type=float, nargs=3, metavar=("X", "Y", "Z"))
+    parser.add_argument("--zoom", type=float, default=1.1)
+    parser.add_argument("--title")
     arguments = parser.parse_args()
     reader, times = open_result(arguments.result)
     grid = read_step(reader, times[-1] if arguments.time is None else arguments.time)
@@ -163,7 +212,7 @@ def main():
         parser.error(f"no field {arguments.field}; there are {', '.join(names)}")
     limits = arguments.range or values.GetRange()
     if arguments.direction:
-        picture = render_from(arguments.direction, grid, arguments.field, limits, viridis(), arguments.width, arguments.level)
+        picture = render_from(grid, limits, arguments)
     else:
         picture = render_window(grid, limits, arguments)
     write(picture, arguments.picture)
