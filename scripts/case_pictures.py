@@ -52,7 +52,7 @@ DRAWN = {
     "naca0012_wave": ("mach", {"window": VORTICES}),
     "rough_channel": ("vorticity", {}),
     "sod": ("density", {}),
-    "sphere_300": ("mach", {"window": VORTICES, "q_level": 0.02}),
+    "sphere_300": ("mach", {"window": "z=0"}),
     "taylor_green_3d": ("mach", {"window": VORTICES}),
     "turek_hron_fsi1": ("vorticity", {"range": "-10,10"}),
     "turek_hron_fsi2": ("vorticity", {"range": "-50,50"}),
