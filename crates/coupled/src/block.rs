@@ -10,6 +10,7 @@
 
 use crate::slab_error::SlabError;
 use crate::state::{Interval, State};
+use fem::Clock;
 use newton_krylov::problem::Inadmissible;
 
 /// A quantity that one block passes to others.
@@ -61,11 +62,11 @@ pub trait Block: Send {
     /// nodes, or an error of the state relative to its scales.
     fn weights(&self) -> Vec<f64>;
 
-    /// Moves to the slab `interval` on top of `state`.
+    /// Moves to the slab `interval` on top of `state`. Data that depend on time are those of `clock`.
     ///
     /// # Errors
     /// [`SlabError`] if the block cannot begin there.
-    fn begin_slab(&mut self, interval: Interval, state: &State) -> Result<(), SlabError>;
+    fn begin_slab(&mut self, interval: Interval, clock: Clock, state: &State) -> Result<(), SlabError>;
 
     /// r := R(z) without the terms that later blocks determine; writes its quantities.
     ///

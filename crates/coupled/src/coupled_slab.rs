@@ -295,7 +295,9 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         let (mover, v) = (self.system.mover(), self.system.mesh.velocities());
         // The last time node is the top.
         let mut velocity = v[v.len() - mover.field_len()..].to_vec();
-        mover.prescribe_velocity(t, &mut velocity);
+        if self.system.follows_time() {
+            mover.prescribe_velocity(t, &mut velocity);
+        }
         velocity
     }
 

@@ -4,6 +4,7 @@ use crate::motion::{MeshMotion, SlabData};
 use crate::state::Interval;
 use basis::RadauTime;
 use elasticity::{ElasticityError, SlabMotion, Work};
+use fem::Clock;
 use mesh::{Mesh, MotionCheck, NodeNumbering, Validity};
 use newton_krylov::inner_product;
 use newton_krylov::problem::Inadmissible;
@@ -147,10 +148,10 @@ impl<const D: usize> MeshMover<D> {
     }
 
     /// The displacements prescribed at the time nodes of a slab, `[time node][C0 node][component]`.
-    pub fn prescribed_in_slab(&self, start: f64, dt: f64, out: &mut [f64]) {
+    pub fn prescribed_in_slab(&self, clock: Clock, out: &mut [f64]) {
         let nodes = self.slab_motion.time().nodes();
         for (s, out) in nodes.iter().zip(out.chunks_exact_mut(self.field_len())) {
-            self.prescribed(start + s * dt, out);
+            self.prescribed(clock.time(*s), out);
         }
     }
 

@@ -7,10 +7,12 @@
 //! one slab with one node in time (implicit Euler) that is so long that its mass term vanishes. Newton is damped by
 //! pseudo-time, (1/dtau) M, and dtau grows as the residual falls.
 
+mod equilibrium;
 mod reliability;
 mod search;
 mod settling;
 
+pub use equilibrium::{Equilibrium, NoEquilibrium, find_equilibrium};
 pub use reliability::{Reliability, Stability};
 pub use search::{Discretisation, Discretised, Search, Stage, SteadyError, SteadyFlow};
 pub use settling::Settling;
@@ -89,7 +91,7 @@ pub fn solve_steady<const D: usize, const M: usize>(
 impl<const D: usize, const M: usize> System<D, M> {
     /// Begins the slab of (steady) at `time` on top of `u`, on the mesh displaced by `d`.
     fn at_rest(&mut self, time: f64, u: &[f64], d: &[f64]) -> Result<(), SlabError> {
-        self.flow.operator.hold_time(time);
+        self.hold_time(time);
         let state = State::new(time, u.to_vec(), d.to_vec());
         self.begin(Interval { start: time, end: time + LONG, halvings: 0 }, &state)?;
         self.move_mesh(&mut vec![0.0; d.len()])?;

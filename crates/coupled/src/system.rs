@@ -18,7 +18,7 @@ use crate::lagged_preconditioner::Linearisation;
 use crate::mesh_mover::MeshMover;
 use crate::slab_error::SlabError;
 use crate::state::{Interval, State};
-use fem::{Share, SlabOperator};
+use fem::{Clock, Share, SlabOperator};
 use newton_krylov::fgmres::Precision;
 use newton_krylov::inner_product::{InnerProduct, Parts, Weighted};
 use newton_krylov::problem::{Field, Inadmissible, NonlinearProblem};
@@ -41,6 +41,8 @@ pub struct System<const D: usize, const M: usize> {
     ranges: Vec<Range<usize>>,
     weights: Weighted,
     inverse_pseudo_time: Vec<f64>,
+    /// The time of all data, if they do not follow the slabs.
+    held_time: Option<f64>,
 }
 
 impl<const D: usize, const M: usize> System<D, M> {
@@ -65,6 +67,7 @@ impl<const D: usize, const M: usize> System<D, M> {
             ranges: Vec::new(),
             weights: Weighted::new(Vec::new()),
             inverse_pseudo_time: Vec::new(),
+            held_time: None,
         };
         system.lay_out();
         system
@@ -133,16 +136,28 @@ impl<const D: usize, const M: usize> System<D, M> {
         act(flow, of_flow.clone(), rate(of_flow), exchange, tangent);
     }
 
+    /// Evaluates all data of this and of later slabs at `time`: a steady state depends on one time, although its slabs are long.
+    pub fn hold_time(&mut self, time: f64) {
+        self.held_time = Some(time);
+        self.flow.operator.hold_time(time);
+    }
+
+    /// Whether data follow the time of slabs.
+    pub(crate) fn follows_time(&self) -> bool {
+        self.held_time.is_none()
+    }
+
     /// Moves to the slab `interval` on top of `state`.
     ///
     /// # Errors
     /// The error of a block that cannot begin there.
     pub fn begin(&mut self, interval: Interval, state: &State) -> Result<(), SlabError> {
         self.inverse_pseudo_time.fill(0.0);
+        let clock = Clock::of_slab(interval.start, interval.end - interval.start, self.held_time);
         let mut begun = Ok(());
         self.each(|block, _, _, _, _| {
             if begun.is_ok() {
-                begun = block.begin_slab(interval, state);
+                begun = block.begin_slab(interval, clock, state);
             }
         });
         self.mesh.prescribe(&mut self.exchange);

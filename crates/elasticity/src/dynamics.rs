@@ -6,6 +6,7 @@ use crate::modal::{ModalSolver, SlabSystems, nominal_length};
 use crate::structure_slab::{SlabBottom, SlabWork, StructureSlab};
 use crate::{ElasticityError, Loads, SlabMotion, Structure};
 use basis::{RadauTime, TemporalModes};
+use fem::Clock;
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 
 /// A slab is solved when its residual, relative to the forces in it, is this small ...
@@ -77,7 +78,8 @@ impl<const D: usize> Dynamics<D> {
     /// cannot be solved; `v` then holds the last iterate.
     pub fn solve(&mut self, bottom: SlabBottom<'_>, dt: f64, v: &mut [f64]) -> Result<DynamicsReport, ElasticityError> {
         self.factor_for(dt, bottom)?;
-        let slab = StructureSlab { structure: &self.structure, loads: &self.loads, motion: &self.motion, bottom, dt };
+        let (structure, loads, motion) = (&self.structure, &self.loads, &self.motion);
+        let slab = StructureSlab { structure, loads, motion, bottom, dt, clock: Clock::running(bottom.time, dt) };
         let forces = slab.forces()?;
         let mut report =
             if self.is_linear() { self.correct(&slab, &forces, v)? } else { self.find(&slab, &forces, v)? };

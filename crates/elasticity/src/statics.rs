@@ -15,6 +15,7 @@ use crate::shifted::Shifted;
 use crate::structure_slab::{SlabBottom, StructureSlab};
 use crate::{ElasticityError, Inversion, Loads, SlabMotion, Structure};
 use basis::RadauTime;
+use fem::Clock;
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 
 /// A structure, its loads, and the preconditioner of K.
@@ -108,7 +109,8 @@ impl<const D: usize> Statics<D> {
         self.motion.velocities(dt, bottom, v);
         // Without inertia the velocity at the bottom is not asked for.
         let bottom = SlabBottom { time: start, displacement: bottom, velocity: &[] };
-        let slab = StructureSlab { structure: &self.structure, loads: &self.loads, motion: &self.motion, bottom, dt };
+        let (structure, loads, motion) = (&self.structure, &self.loads, &self.motion);
+        let slab = StructureSlab { structure, loads, motion, bottom, dt, clock: Clock::running(start, dt) };
         report.work = slab.work_without_inertia(&forces, v, &residual);
         Ok(report)
     }

@@ -31,6 +31,7 @@ mod pressure_impulse;
 
 use crate::slab::accumulate;
 use crate::{ElasticityError, Inversion, Loads, SlabMotion, Structure};
+use fem::Clock;
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 
 /// Where a slab begins.
@@ -70,6 +71,8 @@ pub struct StructureSlab<'a, const D: usize> {
     pub bottom: SlabBottom<'a>,
     /// Its length.
     pub dt: f64,
+    /// The times of the loads.
+    pub clock: Clock,
 }
 
 impl<const D: usize> StructureSlab<'_, D> {
@@ -87,7 +90,7 @@ impl<const D: usize> StructureSlab<'_, D> {
     }
 
     fn time_of(&self, a: usize) -> f64 {
-        self.bottom.time + self.motion.time().nodes()[a] * self.dt
+        self.clock.time(self.motion.time().nodes()[a])
     }
 
     /// r := R(V) by (dynamics) for the loads `forces` of [`Self::forces`], at fixed entries too: there it is dt omega_a times the reaction

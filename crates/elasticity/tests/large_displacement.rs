@@ -50,7 +50,14 @@ fn stiffness_is_the_derivative_of_forces_and_forces_that_of_the_energy() {
         let (loads, motion) = (blown(&body), SlabMotion::new(basis::RadauTime::new(2)));
         let (displacement, velocity) = (nodal(&body, bent), nodal(&body, |x| [x[1], -x[0]]));
         let bottom = SlabBottom { time: 0.0, displacement: &displacement, velocity: &velocity };
-        let slab = StructureSlab { structure: &body, loads: &loads, motion: &motion, bottom, dt: 0.1 };
+        let slab = StructureSlab {
+            structure: &body,
+            loads: &loads,
+            motion: &motion,
+            bottom,
+            dt: 0.1,
+            clock: fem::Clock::running(0.0, 0.1),
+        };
         let forces = slab.forces().unwrap();
         let (v, w) = (uneven(2 * body.length(), 0.3), uneven(2 * body.length(), 1.0));
         let v: Vec<f64> = v.iter().map(|v| 0.02 * v).collect();

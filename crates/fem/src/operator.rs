@@ -141,7 +141,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     pub fn begin_slab(&mut self, start: f64, dt: f64, bottom: Bottom) {
         let Bottom { state, displacement, determinants } = bottom;
         (self.start, self.dt) = (start, dt);
-        self.clock = self.held_time.map_or(Clock::running(start, dt), Clock::stopped);
+        self.clock = Clock::of_slab(start, dt, self.held_time);
         let time_points = self.tables.time_points.iter().chain([&self.tables.top]);
         self.position_rows = time_points.map(|time_point| time_point.position_row(dt)).collect();
         let (rows, slots, count) = (&self.position_rows, self.mesh.slots(), self.tables.time_points.len());

@@ -8,7 +8,7 @@ use tensor::Pack;
 /// ```text
 /// t(s) = start + rate s,   s in [0, 1],   rate = dt in a march, 0 in a steady flow                                     (clock)
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clock {
     start: f64,
     rate: f64,
@@ -23,6 +23,16 @@ impl Clock {
     /// Always the same time.
     pub fn stopped(time: f64) -> Self {
         Clock { start: time, rate: 0.0 }
+    }
+
+    /// The clock of a slab of length `dt`, which stands still if all data are those of the time `held`.
+    pub fn of_slab(start: f64, dt: f64, held: Option<f64>) -> Self {
+        held.map_or(Clock::running(start, dt), Clock::stopped)
+    }
+
+    /// Whether time passes.
+    pub fn runs(&self) -> bool {
+        self.rate != 0.0
     }
 
     /// t(s)

@@ -1,10 +1,12 @@
 //! Mesh and flow.
 
+mod steady_start;
+
 use super::averages::{AlongFiles, AverageSums, FlowAverages, PhaseFile};
 use super::bodies::is_of_body;
 use super::body_record::BodyRecord;
 use super::context::{RunContext, Stop};
-use super::crew::{Crew, Orders, look_at_last_slab, while_others_wait};
+use super::crew::{Crew, Orders, look_at_last_slab};
 use super::drive::{Call, Run, drive};
 use super::failure::{Failed, Finding, Grid, Then, by_point};
 use super::integrals::FlowIntegrals;
@@ -15,16 +17,16 @@ use super::record::{MeshView, top};
 use super::statistics::RunStatistics;
 use super::surfaces::{self, SurfaceFlow};
 use super::walls::wall_loads;
-use super::{build, checkpoint, controls, cuts, history, restart, summary};
+use super::{checkpoint, controls, cuts, history, restart, summary};
 use crate::destination::Destination;
 use crate::error::Failure;
 use crate::observer::{Observer, SlabDone};
 use crate::session::Session;
-use case::{Averages, BoundaryData, Case, Flow, State, Steady};
+use case::{Averages, Case, Flow, State};
 use coupled::block::BodyState;
-use coupled::{Discretisation, FlowMarch, Reliability, Search, SlabReport, Stability, Stage, SteadyFlow};
+use coupled::{FlowMarch, SlabReport};
 use fem::{SlabOperator, StateField};
-use navier_stokes::{Boundary, Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use output::{ArraySpec, OutputError, RESULT_FILE, ResultReader, Series, SolverState, Summary};
 use std::path::Path;
 use std::sync::Arc;
@@ -200,81 +202,6 @@ where
         }
         Ok(())
     }
-
-    /// Replaces the initial state by the steady flow; returns its row of history.csv.
-    fn start_from_steady_flow(&mut self, steady: &Steady, context: &mut RunContext) -> anyhow::Result<Vec<f64>> {
-        let (case, flow) = (self.case, self.flow);
-        let ranks = self.crew.as_ref().map_or(1, Crew::ranks);
-        let state = self.crew.as_mut().map_or(&mut self.march.state, |crew| {
-            crew.in_step = false;
-            &mut crew.state
-        });
-        let search = Search {
-            discretise: &|discretisation| build::steady::<D, M>(case, flow, &state.d, discretisation),
-            order: flow.order,
-            mover: &self.march.solver.system.mesh.mover,
-            displacement: &state.d,
-            time: case.time.start,
-            time_unit: flow.reference_length / flow.reference_speed,
-            settings: steady.newton(),
-            sequence: steady.sequence,
-            closed: is_closed(flow),
-            stability_time: steady.stability_time,
-        };
-        let found = while_others_wait(ranks, || search.find(&mut state.u));
-        let stages = found.as_ref().map_or_else(|error| &error.stages, |flow| &flow.stages);
-        stages.iter().for_each(|stage| context.observer.say(&told(stage)));
-        let found = found?;
-        let loads = wall_loads(self.flow, &found.report);
-        context.statistics.start_from_steady(&found, &loads);
-        let SteadyFlow { report, reliability, .. } = found;
-        if let Some(warning) = warning(&reliability) {
-            context.observer.say(&format!("warning: {warning}"));
-        }
-        context.statistics.totals_at_start = report.totals.clone();
-        self.observe(context);
-        context.observer.say(&format!("steady flow: {:.1} s", context.seconds()));
-        context.observer.begin_slabs();
-        let row = history::row(self.flow, &report, &loads, &self.march.bodies(), &context.statistics);
-        Ok([row, self.observed()].concat())
-    }
-}
-
-/// Whether no gas can enter or leave: all boundaries are walls, and nothing adds mass.
-fn is_closed<const D: usize>(flow: &Flow<D>) -> bool {
-    let lets_pass =
-        |data: &BoundaryData<D>| !data.condition.is_wall() && !matches!(data.condition, Boundary::Symmetry(_));
-    flow.conserves_mass() && !flow.boundary.iter().any(lets_pass)
-}
-
-/// The warning about a steady flow, with the remedy.
-fn warning(reliability: &Reliability) -> Option<String> {
-    let stability = reliability.stability.filter(Stability::is_unstable)?;
-    let seen = match stability.completed {
-        true => {
-            format!("within {:.3} its rate of change grew by a factor of {:.1e}", stability.duration, stability.growth)
-        }
-        false => format!("it failed after {:.3}, where a slab could not be solved", stability.duration),
-    };
-    let resolution = match reliability.next_order_residual {
-        Some(residual) => format!("its residual at the next higher order is {residual:.1e} of the inertial terms"),
-        None => "its residual at the next higher order cannot be evaluated".to_owned(),
-    };
-    let meaning = match reliability.is_resolved() {
-        true => "The flow itself is unsteady: `[time]` for some periods of it",
-        false => {
-            "It may be a solution of the discrete equations only: a higher `flow.order` or smaller cells, until the forces agree"
-        }
-    };
-    Some(format!("the steady flow is unstable: marched in time, {seen}; {resolution}. {meaning}"))
-}
-
-/// A solve for the steady flow, in one line.
-fn told(stage: &Stage) -> String {
-    let Stage { discretisation: Discretisation { order, dissipative, .. }, steps, iterations, converged } = stage;
-    let flux = if *dissipative { ", dissipative flux" } else { "" };
-    let end = if *converged { "" } else { "  given up" };
-    format!("steady flow of order {order}{flux}: newton {steps}  krylov {iterations}{end}")
 }
 
 impl<const D: usize, const M: usize> Run for FlowRun<'_, D, M>

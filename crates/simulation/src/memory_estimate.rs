@@ -5,7 +5,7 @@ mod mesh;
 use crate::averages::Moments;
 use crate::error::Failure;
 use case::memory;
-use case::{Case, Flow, Preconditioner};
+use case::{Case, Flow, Preconditioner, Steady, SteadyBodies};
 use coupled::preconditioner::{LOW_ORDER_VECTORS, coarse_functions_per_direction, padded};
 use fem::Orders;
 use navier_stokes::Viscosity;
@@ -85,13 +85,20 @@ impl MemoryEstimate {
             Preconditioner::Lines => lines(case, time_order),
             Preconditioner::LowOrder => node_blocks(case, time_order),
         };
+        let of_mesh = mesh::bytes(case) + geometry(case);
+        let steady = |steady: Steady| {
+            let search = vectors / time_order + steady_preconditioner(case);
+            // Slabs with one time node, on a mesh of their own.
+            let equilibrium = vectors / time_order + jacobian + factors_of_slab / time_order + of_mesh;
+            if steady.bodies == SteadyBodies::Equilibrium { search.max(equilibrium) } else { search }
+        };
         MemoryEstimate {
             jacobian,
             factors: factors_of_slab,
             vectors,
-            steady: case.solver.steady.map(|_| vectors / time_order + steady_preconditioner(case)),
+            steady: case.solver.steady.map(steady),
             most_krylov: vector * krylov_vectors(restart),
-            mesh: mesh::bytes(case) + geometry(case),
+            mesh: of_mesh,
             averages: averages(case),
         }
     }

@@ -133,6 +133,7 @@ fn check_warns_of_doubtful_choices_and_names_the_remedy() {
         ),
         // This one starts from rest, although it is fast within the first slab.
         (&["motion.boundary.airfoil.displacement=[0, \"0.1*sin(pi*t)^2\"]"], "none", ""),
+        (&["motion.boundary.airfoil.displacement=[0, \"3*t^2\"]"], "speed of walls", "`shock_capturing = {}`"),
         (&["flow.gas.gamma=14"], "ratio of specific heats", "1.4 for air"),
         (&["flow.initial.uniform.mach=0.9"], "Mach number", "`shock_capturing = {}`"),
         (&["flow.initial.uniform.mach=0.05", "flow.riemann=\"lax_friedrichs\""], "Mach number", "\"roe\""),

@@ -281,3 +281,59 @@ slabs = 1
         assert!((pressure - 1.0 / std::f64::consts::LN_2).abs() < 1e-6, "{pressure}");
     }
 }
+
+/// A piston on a spring closes a tube of gas, whose other end has a pressure that varies in time: k x = p(t) at the start.
+#[test]
+fn a_body_starts_in_equilibrium_with_the_flow() {
+    let case = |start: f64, bodies: &str| {
+        format!(
+            "mesh = {{ order = 2, generate.box = {{ lower = [0, 0], upper = [1.5, 1], cells = [6, 1], periodic = [\"y\"] }} }}
+             time = {{ order = 2, start = {start}, end = {start}, step = 0.1 }}
+             solver.steady = {{ bodies = \"{bodies}\" }}
+             bodies.piston = {{ walls = [\"right\"], mass = 1, x = {{ spring = 5 }}, mesh = {{ weight = \"x/1.5\" }} }}
+             [flow]
+             order = 3
+             gas = {{ viscosity = {{ constant = 0.1 }} }}
+             initial = {{ uniform = {{ velocity = [0, 0], pressure = 0.7 }} }}
+             reference = {{ density = 1, speed = 1, pressure = 0.7, length = 1.5 }}
+             boundary = {{ left = {{ outflow = {{ pressure = \"0.7*(1 + 0.3*sin(t))\" }} }}, right = \"slip_wall\" }}"
+        )
+    };
+    let directory = TempDir::new().unwrap();
+    for (name, start, bodies) in [("zero", 0.0, "equilibrium"), ("later", 1.25, "equilibrium"), ("held", 1.25, "held")]
+    {
+        run(directory.path(), name, &case(start, bodies)).expect(0, &[]);
+        let [x, rate] = ["piston_x", "piston_x_rate"].map(|name_of| column(&directory.path().join(name), name_of)[0]);
+        let expected = if bodies == "held" { 0.0 } else { 0.7 * (1.0 + 0.3 * start.sin()) / 5.0 };
+        println!("{bodies} at {start}: x {x} for {expected}, rate {rate}");
+        assert!((x - expected).abs() < 1e-8 && rate == 0.0, "{name}: {x} for {expected}, {rate}");
+    }
+}
+
+/// A bar of length 2 and modulus 10, held at its far end, is pressed by 0.01 more than its outer load: u = -0.01 L / E.
+#[test]
+fn a_structure_starts_in_equilibrium_with_the_flow() {
+    let case = "mesh = { order = 3, generate.box = { lower = [-2, 0], upper = [1, 0.5], cells = [6, 1], regions = { bar = { lower = [-2, 0], upper = [0, 0.5] } } } }
+         time = { order = 2, end = 1, step = 0.1 }
+         solver = { newton_tolerance = 1e-10, steady = { bodies = \"equilibrium\" } }
+         motion.boundary = { bottom = \"slide\", top = \"slide\", others = \"fixed\" }
+         [flow]
+         order = 3
+         gas = { viscosity = { constant = 0.1 } }
+         initial = { uniform = { velocity = [0, 0], pressure = 0.7 } }
+         reference = { density = 1, speed = 1, pressure = 0.7, length = 1 }
+         boundary = { right = { outflow = { pressure = 0.71 } }, others = \"slip_wall\" }
+         [structure]
+         regions = [\"bar\"]
+         density = 10
+         young_modulus = 10
+         poisson_ratio = 0
+         points = { wall = [0, 0.25] }
+         boundary = { left = \"fixed\", bottom = { held = [\"y\"] }, top = { held = [\"y\"] }, rest = { pressure = -0.7 } }";
+    let directory = TempDir::new().unwrap();
+    run(directory.path(), "bar", case).expect(0, &[]);
+    let positions = column(&directory.path().join("bar"), "wall_x");
+    println!("{positions:?}");
+    // It starts there, and stays there.
+    assert!(positions.len() == 11 && positions.iter().all(|x| (x + 0.01 * 2.0 / 10.0).abs() < 1e-8), "{positions:?}");
+}

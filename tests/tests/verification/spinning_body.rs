@@ -5,6 +5,7 @@ use coupled::block::{Block, Body, BodyState, Exchange};
 use coupled::blocks::rigid_body::{AddedMass, Coordinate, Freedom, RigidBodyData, Surface, SurfaceNode, Vec3};
 use coupled::blocks::{RigidBody, SlabTimes};
 use coupled::{Interval, State};
+use fem::Clock;
 use std::sync::Arc;
 use tensor::{cross, dot, rotated};
 
@@ -56,7 +57,8 @@ impl Flight {
     /// One slab by Newton's method: the preconditioner is the exact inverse here.
     fn advance(&mut self, dt: f64) {
         let start = self.state.time;
-        self.body.begin_slab(Interval { start, end: start + dt, halvings: 0 }, &self.state).unwrap();
+        let interval = Interval { start, end: start + dt, halvings: 0 };
+        self.body.begin_slab(interval, Clock::running(start, dt), &self.state).unwrap();
         let mut z = vec![0.0; self.order * self.read().position.len()];
         self.body.guess(None, &mut self.exchange, &mut z);
         for _ in 0..8 {

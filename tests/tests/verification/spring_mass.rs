@@ -9,7 +9,7 @@ use coupled::block::{Block, Body, BodyState, Couplings, Exchange, Ledger, Quanti
 use coupled::{
     FlowMarch, Interval, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, Settings, SlabError, State, System,
 };
-use fem::Orders;
+use fem::{Clock, Orders};
 use mesh::{BoxMesh, Curving, NodeNumbering};
 use navier_stokes::{Boundary, Riemann, SlipWall, Viscosity};
 use newton_krylov::newton;
@@ -67,7 +67,7 @@ impl Block for SpringMass {
     fn weights(&self) -> Vec<f64> {
         vec![1.0; self.time.order()]
     }
-    fn begin_slab(&mut self, interval: Interval, state: &State) -> Result<(), SlabError> {
+    fn begin_slab(&mut self, interval: Interval, _: Clock, state: &State) -> Result<(), SlabError> {
         (self.dt, self.bottom) = (interval.end - interval.start, [state.bodies[0][0], state.bodies[0][1]]);
         Ok(())
     }

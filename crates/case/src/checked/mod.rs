@@ -36,7 +36,7 @@ mod walls;
 
 pub use super::raw::{
     AllowedChange, Analysis, Average, Damping, Field, Integral, Jacobian, Plane, Preconditioner, Predictor, PseudoTime,
-    Solver, Steady, StructureLaw,
+    Solver, Steady, SteadyBodies, StructureLaw,
 };
 pub use averages::{Averages, Phases};
 pub use bodies::{FollowingMesh, Freedom, RigidBody};
@@ -402,6 +402,7 @@ fn check_presence<const D: usize>(
 fn check_sections_of(checker: &Checker<'_>, raw: &raw::Case) -> Checked<()> {
     let moves = raw.motion.is_some() || raw.bodies.values().any(|body| body.mesh.is_some());
     check_sections(checker, [moves, raw.flow.is_some(), raw.structure.is_some()])?;
+    solver::check_bodies(checker, raw)?;
     controls::need_a_flow(checker, &raw.controls, raw.flow.is_some())?;
     time::check_fields_of_structure(checker, &raw.output.fields, raw.structure.is_some())?;
     restart_needs_a_flow(checker, raw.restart.as_ref(), raw.flow.is_some())

@@ -3,7 +3,7 @@
 use crate::checker::{Checked, Checker};
 use crate::error::Errors;
 use crate::key::Key;
-use crate::raw::{PseudoTime, Solver, Steady};
+use crate::raw::{self, PseudoTime, Solver, Steady, SteadyBodies};
 use newton_krylov::{fgmres, forcing, newton, pseudo_time};
 
 /// The largest number of Krylov iterations between restarts.
@@ -68,6 +68,17 @@ pub(super) fn check(checker: &Checker<'_>, raw: &Solver) -> Checked<()> {
         errors.note(checker.require(&key.child(name), "the number", value >= 0.0 && value.is_finite(), "0 or more"));
     }
     errors.all()
+}
+
+/// Checks that there is something that the steady flow of the case `raw` can move, if it is to be in equilibrium with it.
+pub(super) fn check_bodies(checker: &Checker<'_>, raw: &raw::Case) -> Checked<()> {
+    let asks = raw.solver.steady.is_some_and(|steady| steady.bodies == SteadyBodies::Equilibrium);
+    if !asks || !raw.bodies.is_empty() || raw.structure.is_some() {
+        return Ok(());
+    }
+    let key = Key::new("solver").child("steady").child("bodies");
+    let problem = "the case has nothing that the flow moves";
+    Err(checker.combination(&key, problem, "[bodies] or [structure] in this case, or `held`"))
 }
 
 fn check_steady(checker: &Checker<'_>, key: &Key, raw: &Steady) -> Checked<()> {

@@ -143,6 +143,19 @@ pub struct Steady {
     /// For so many time units (reference length / reference speed) the steady flow is marched in time, slightly disturbed, to see whether
     /// it is stable. 0: never. Default: 8 if the residual at the next higher order shows that the flow is not resolved, otherwise 0.
     pub stability_time: Option<f64>,
+    /// What bodies and structures do meanwhile.
+    pub bodies: SteadyBodies,
+}
+
+/// What bodies and structures do while a steady flow is sought.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SteadyBodies {
+    /// They keep their positions at the start, and are released with the first slab.
+    #[default]
+    Held,
+    /// They move until they are in equilibrium with the flow. The run starts there, at rest.
+    Equilibrium,
 }
 
 impl Default for Steady {
@@ -157,6 +170,7 @@ impl Default for Steady {
             krylov_iterations: 200,
             sequence: true,
             stability_time: None,
+            bodies: SteadyBodies::Held,
         }
     }
 }

@@ -23,6 +23,7 @@ use crate::state::{Interval, State};
 use crate::structure_march::Supports;
 use basis::{Matrix, TemporalModes};
 use elasticity::{FluidLayer, Loads, ModalSolver, SlabMotion, Structure};
+use fem::Clock;
 use newton_krylov::problem::Inadmissible;
 use slab::Slab;
 
@@ -166,10 +167,10 @@ impl<const D: usize> Block for ElasticBody<D> {
         self.scales.iter().enumerate().map(weight).collect()
     }
 
-    fn begin_slab(&mut self, interval: Interval, state: &State) -> Result<(), SlabError> {
+    fn begin_slab(&mut self, interval: Interval, clock: Clock, state: &State) -> Result<(), SlabError> {
         let (displacement, velocity) = self.fields(&state.bodies[self.number]);
         self.slab = Slab {
-            start: interval.start,
+            clock,
             dt: interval.end - interval.start,
             displacement: displacement.to_vec(),
             velocity: velocity.to_vec(),

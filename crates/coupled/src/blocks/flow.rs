@@ -4,7 +4,7 @@ use crate::block::{Block, Couplings, Exchange, Quantity};
 use crate::lagged_preconditioner::{LaggedPreconditioner, Linearisation, Update};
 use crate::slab_error::SlabError;
 use crate::state::{Interval, State};
-use fem::{Bottom, SlabEnd, SlabOperator, Violation};
+use fem::{Bottom, Clock, SlabEnd, SlabOperator, Violation};
 use newton_krylov::inner_product;
 use newton_krylov::problem::Inadmissible;
 use std::ops::Range;
@@ -185,7 +185,8 @@ impl<const D: usize, const M: usize> Block for FlowBlock<D, M> {
         crate::weights::flow(&self.operator)
     }
 
-    fn begin_slab(&mut self, interval: Interval, state: &State) -> Result<(), SlabError> {
+    /// The operator has the clock itself: tests and measurements use it without a system.
+    fn begin_slab(&mut self, interval: Interval, _clock: Clock, state: &State) -> Result<(), SlabError> {
         let State { u, d, determinants, .. } = state;
         self.begin(interval, Bottom { state: u, displacement: d, determinants });
         Ok(())

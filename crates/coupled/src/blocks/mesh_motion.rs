@@ -6,6 +6,7 @@ use crate::motion::MeshMotion;
 use crate::slab_error::SlabError;
 use crate::state::{Interval, State};
 use elasticity::{ElasticSlab, ElasticityError};
+use fem::Clock;
 use newton_krylov::problem::Inadmissible;
 
 /// The mesh is settled when its positions have this error, relative to the node spacing. Increments then leave it alone, and products need
@@ -69,11 +70,11 @@ impl<const D: usize> MeshBlock<D> {
     }
 
     /// Moves to the slab `interval` on top of the displacement `d`.
-    pub(crate) fn begin(&mut self, interval: Interval, d: &[f64]) -> Result<(), ElasticityError> {
+    pub(crate) fn begin(&mut self, interval: Interval, clock: Clock, d: &[f64]) -> Result<(), ElasticityError> {
         self.mover.begin_slab(d)?;
         self.interval = interval;
         self.bottom.copy_from_slice(d);
-        self.mover.prescribed_in_slab(interval.start, self.dt(), &mut self.prescribed);
+        self.mover.prescribed_in_slab(clock, &mut self.prescribed);
         self.inverse_pseudo_time = 0.0;
         self.forget();
         Ok(())
@@ -203,8 +204,8 @@ impl<const D: usize> Block for MeshBlock<D> {
         crate::weights::mesh(&self.mover, self.mover.slab_motion.time().order())
     }
 
-    fn begin_slab(&mut self, interval: Interval, state: &State) -> Result<(), SlabError> {
-        Ok(self.begin(interval, &state.d)?)
+    fn begin_slab(&mut self, interval: Interval, clock: Clock, state: &State) -> Result<(), SlabError> {
+        Ok(self.begin(interval, clock, &state.d)?)
     }
 
     /// A settled mesh keeps its velocities during Newton's method: then the residual is known.

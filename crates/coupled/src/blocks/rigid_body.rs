@@ -40,6 +40,7 @@ use crate::slab_error::SlabError;
 use crate::state::{Interval, State, extend};
 use basis::{Matrix, RadauTime, TemporalModes};
 use elasticity::SlabMotion;
+use fem::Clock;
 use newton_krylov::problem::Inadmissible;
 use tensor::{Dual, Transcendental};
 
@@ -52,7 +53,8 @@ type Six<T> = [T; 6];
 /// The slab that is being solved, and the body at its bottom.
 #[derive(Clone, Debug, Default)]
 struct Slab {
-    start: f64,
+    /// The times of drives and outer forces.
+    clock: Clock,
     dt: f64,
     /// q_n
     position: Vec<f64>,
@@ -177,11 +179,11 @@ impl<const D: usize> Block for RigidBody<D> {
         (0..n).flat_map(|_| (0..self.count()).map(weight)).collect()
     }
 
-    fn begin_slab(&mut self, interval: Interval, state: &State) -> Result<(), SlabError> {
+    fn begin_slab(&mut self, interval: Interval, clock: Clock, state: &State) -> Result<(), SlabError> {
         let stored = &state.bodies[self.number];
         let count = self.count();
         self.slab = Slab {
-            start: interval.start,
+            clock,
             dt: interval.end - interval.start,
             position: stored[..count].to_vec(),
             rate: stored[count..2 * count].to_vec(),

@@ -94,7 +94,7 @@ pub(super) fn duration<const D: usize, const M: usize>(search: &Search<'_, D, M>
 
 fn march<const D: usize, const M: usize>(search: &Search<'_, D, M>, u: &[f64], slabs: usize) -> FlowMarch<D, M> {
     let (mut problem, _) = (search.discretise)(Discretisation { time_order: 2, ..search.own() });
-    problem.flow.operator.hold_time(search.time);
+    problem.hold_time(search.time);
     let end = search.time + duration(search, slabs);
     let schedule = Schedule { start: search.time, end, step: duration(search, 1), slabs, control: None };
     let newton = newton::Settings { relative_tolerance: 1e-3, ..newton::Settings::default() };

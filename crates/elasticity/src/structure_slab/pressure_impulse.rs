@@ -35,7 +35,7 @@ impl<const D: usize> StructureSlab<'_, D> {
             let mut displacement = self.bottom.displacement.to_vec();
             accumulate(self.dt, v, &integrals, &mut displacement);
             let tested = time.values(s).iter().map(|phi| self.dt * weight * phi).collect();
-            ImpulsePoint { time: self.bottom.time + s * self.dt, tested, integrals, displacement }
+            ImpulsePoint { time: self.clock.time(s), tested, integrals, displacement }
         })
     }
 
@@ -91,7 +91,17 @@ mod tests {
         let velocity = vec![0.0; structure.length()];
         let bottom = SlabBottom { time: 0.0, displacement: &displacement, velocity: &velocity };
         let v: Vec<f64> = noise(order * structure.length()).iter().map(|v| 0.1 * v).collect();
-        act(&StructureSlab { structure: &structure, loads: &loads, motion: &motion, bottom, dt: 0.4 }, &v)
+        act(
+            &StructureSlab {
+                structure: &structure,
+                loads: &loads,
+                motion: &motion,
+                bottom,
+                dt: 0.4,
+                clock: fem::Clock::running(0.0, 0.4),
+            },
+            &v,
+        )
     }
 
     /// The volume of the body, by the divergence theorem with its pressure load.

@@ -22,7 +22,17 @@ fn in_slab<R>(act: impl FnOnce(StructureSlab<'_, 2>, &[f64]) -> R) -> R {
     let (displacement, velocity) = state.split_at(structure.length());
     let bottom = SlabBottom { time: 0.2, displacement, velocity };
     let v = noise(3 * structure.length());
-    act(StructureSlab { structure: &structure, loads: &loads, motion: &motion, bottom, dt: 0.3 }, &v)
+    act(
+        StructureSlab {
+            structure: &structure,
+            loads: &loads,
+            motion: &motion,
+            bottom,
+            dt: 0.3,
+            clock: fem::Clock::running(0.2, 0.3),
+        },
+        &v,
+    )
 }
 
 /// The residual is affine, so that a difference over a long step is exact.

@@ -8,14 +8,15 @@
     state = result.evaluate(points)          # points: an array [point][axis]
 """
 
-import sys
+import sys as _sys
 
 from ._analysis import boundary_layer, spectrum
-from ._stsolve import Case, CaseError, Result, Slab, SolveError, __version__, execute
+from ._stsolve import Case, CaseError, Result, Slab, SolveError, __version__
+from ._stsolve import execute as _execute
 
 __all__ = ["Case", "CaseError", "Result", "Slab", "SolveError", "__version__", "boundary_layer", "main", "spectrum"]
 
 
 def main():
     """The command `stsolve`."""
-    sys.exit(execute(["stsolve", *sys.argv[1:]]))
+    _sys.exit(_execute(["stsolve", *_sys.argv[1:]]))

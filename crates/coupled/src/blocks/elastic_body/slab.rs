@@ -5,12 +5,14 @@ use crate::block::{Exchange, Ledger};
 use crate::blocks::slab_times::at_each_point;
 use crate::state::extend;
 use elasticity::{SlabBottom, StructureSlab};
+use fem::Clock;
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 
 /// The slab that is being solved. Fields have the layout `[C0 node][component]`, behind a time node where there is one.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Slab {
-    pub(super) start: f64,
+    /// The times of supports and loads.
+    pub(super) clock: Clock,
     pub(super) dt: f64,
     /// d_n
     pub(super) displacement: Vec<f64>,
@@ -25,18 +27,21 @@ pub(super) struct Slab {
 impl<const D: usize> ElasticBody<D> {
     /// The equations of the structure in the slab.
     pub(super) fn in_slab(&self) -> StructureSlab<'_, D> {
-        let Slab { start, dt, displacement, velocity, .. } = &self.slab;
-        let bottom = SlabBottom { time: *start, displacement, velocity };
+        let Slab { clock, dt, displacement, velocity, .. } = &self.slab;
+        let bottom = SlabBottom { time: clock.time(0.0), displacement, velocity };
         let (structure, loads, motion) = (&self.data.structure, &self.data.loads, &self.motion);
-        StructureSlab { structure, loads, motion, bottom, dt: *dt }
+        StructureSlab { structure, loads, motion, bottom, dt: *dt, clock: *clock }
     }
 
     /// The velocities of the supports at the time nodes.
     pub(super) fn prescribed(&self) -> Vec<f64> {
         let (structure, time) = (&self.data.structure, self.motion.time());
         let mut v = vec![0.0; self.w.len()];
+        if !self.slab.clock.runs() {
+            return v;
+        }
         for (s, v) in time.nodes().iter().zip(v.chunks_exact_mut(structure.length())) {
-            let t = self.slab.start + s * self.slab.dt;
+            let t = self.slab.clock.time(*s);
             self.data.supports.set(structure, v, |field, x| field.rate(x, t));
         }
         v

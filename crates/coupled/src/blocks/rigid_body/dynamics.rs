@@ -7,7 +7,7 @@ use tensor::{Transcendental, dot};
 impl<const D: usize> RigidBody<D> {
     /// b(s_a)
     pub(super) fn outer_force(&self, a: usize) -> Vec3 {
-        let t = self.slab.start + self.time().nodes()[a] * self.slab.dt;
+        let t = self.slab.clock.time(self.time().nodes()[a]);
         self.data.force.as_ref().map_or([0.0; 3], |force| force(t))
     }
 
@@ -67,7 +67,7 @@ impl<const D: usize> RigidBody<D> {
 
     /// The coordinates that are driven in this slab.
     pub(super) fn driven(&self) -> impl Iterator<Item = usize> {
-        let start = self.slab.start;
+        let start = self.slab.clock.time(0.0);
         (0..self.count()).filter(move |k| self.data.coordinates[*k].is_driven(start))
     }
 
@@ -76,8 +76,8 @@ impl<const D: usize> RigidBody<D> {
         let count = self.count();
         for k in self.driven() {
             let Some(drive) = &self.data.coordinates[k].drive else { continue };
-            let time = |s: &f64| self.slab.start + s * self.slab.dt;
-            let mut rates: Vec<f64> = self.time().nodes().iter().map(|s| (drive.position)(time(s))).collect();
+            let position = |s: &f64| (drive.position)(self.slab.clock.time(*s));
+            let mut rates: Vec<f64> = self.time().nodes().iter().map(position).collect();
             self.motion.velocities(self.slab.dt, &self.slab.position[k..=k], &mut rates);
             rates.iter().enumerate().for_each(|(a, rate)| w[a * count + k] = *rate);
         }

@@ -16,6 +16,9 @@ const SUDDEN: f64 = 0.01;
 /// take 18 iterations per slab at 0.3, 44 at 0.75, 116 at 1.5; blocks take 7, 9 and 12.
 const CELLS_CROSSED: f64 = 1.0;
 
+/// From this Mach number on, shocks may form.
+const TRANSONIC: f64 = 0.8;
+
 /// If the reference temperature and Sutherland's temperature differ by more than this factor, the gas constant is
 /// doubtful.
 const FAR_FROM_SUTHERLAND: f64 = 3.0;
@@ -35,7 +38,8 @@ pub(super) struct Warning {
 pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
     let of_flow = facts.case.flow.as_ref().map(|flow| {
         let of_boundaries = [body(facts, flow), friction(facts, flow), exact(flow), far_field(facts, flow)];
-        let of_start = [start(facts, flow), sudden_flow(facts, flow), sutherland(flow), gamma(flow)];
+        let of_start =
+            [start(facts, flow), sudden_flow(facts, flow), sutherland(flow), gamma(flow), fast_walls(facts, flow)];
         let of_resolution =
             [quadrature(facts, flow), layer(facts, flow), free_flow(facts, flow), mach(flow), lines(facts, flow)];
         of_boundaries.into_iter().chain(of_start).chain(of_resolution)
@@ -175,10 +179,24 @@ fn sudden_flow<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<W
     warning("start of the flow", text.to_owned())
 }
 
+/// Walls nearly as fast as sound cause shocks in a gas at rest. Often the amplitude or the period has another unit than meant.
+fn fast_walls<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
+    let sound = flow.reference_speed / flow.law.reference.mach();
+    let relative = facts.motion?.speed / sound;
+    if relative <= TRANSONIC || flow.law.shock_capturing.is_some() {
+        return None;
+    }
+    let text = format!(
+        "walls move with up to {relative:.2} of the speed of sound, {sound:.3e}: shocks may form, and nothing captures them: \
+         `shock_capturing = {{}}` in `[flow]`; or another amplitude or period, if that is not what was meant"
+    );
+    warning("speed of walls", text)
+}
+
 fn mach<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
     let mach = flow.law.reference.mach();
     match mach {
-        _ if mach > 0.8 && flow.law.shock_capturing.is_none() => warning(
+        _ if mach > TRANSONIC && flow.law.shock_capturing.is_none() => warning(
             "Mach number",
             format!("{mach:.2}: shocks may form, and nothing captures them: `shock_capturing = {{}}` in `[flow]`"),
         ),

@@ -1,0 +1,130 @@
+//! Flow, mesh and bodies in equilibrium.
+//!
+//! ```text
+//! dt_k = 2^k dt_0,   N_t = 1                                                                             (equilibrium)
+//! ```
+//!
+//! The slabs of a march with one node in time (implicit Euler) become longer and longer, on data of one time. Inertia and jumps divide by dt,
+//! so what is left in the end is the balance of the flow, of the stresses or springs of bodies, and of the loads between them. A short first
+//! slab lets bodies start gently.
+
+use crate::block::{BodyState, Ledger};
+use crate::coupled_slab::{FlowMarch, SlabReport};
+use crate::schedule::StepControl;
+use crate::slab_error::MarchError;
+use crate::state::State;
+use newton_krylov::inner_product::largest;
+
+/// The longest slab, in units of the first one. The change from slab to slab then falls by about this factor.
+const LONGEST: f64 = 1e5;
+
+/// The shortest slab, in the same units.
+const SHORTEST: f64 = 1e-3;
+
+/// Slabs after which the search is given up.
+const SLABS: usize = 80;
+
+/// Flow and bodies that rest.
+#[derive(Debug)]
+pub struct Equilibrium<const M: usize> {
+    /// The last slab, as one of length zero at the start.
+    pub report: SlabReport<M>,
+    /// Slabs.
+    pub slabs: usize,
+    /// Newton steps of all slabs.
+    pub steps: usize,
+    /// Krylov iterations of all slabs.
+    pub iterations: usize,
+}
+
+/// Why there is no equilibrium.
+#[derive(Debug, thiserror::Error)]
+pub enum NoEquilibrium {
+    /// A slab could not be solved.
+    #[error(
+        "no equilibrium of flow and bodies was found: slab {slab} of the search, {length:.3e} long, could not be solved"
+    )]
+    Slab {
+        /// Its number, from 1.
+        slab: usize,
+        /// Its length.
+        length: f64,
+        /// Why.
+        #[source]
+        source: MarchError,
+    },
+    /// The state still changes.
+    #[error(
+        "flow and bodies do not come to rest: after {slabs} slabs the flow still changes by {flow:.1e} of its largest change, and the bodies move \
+         by {bodies:.1e} of their way"
+    )]
+    Moves {
+        /// The slabs of the search.
+        slabs: usize,
+        /// The jump of the flow, relative to the largest one.
+        flow: f64,
+        /// The largest change of a coordinate in a slab, relative to the largest coordinate.
+        bodies: f64,
+    },
+}
+
+/// Replaces the state of `march`, a run at its start with one node in time, by the equilibrium of flow, mesh and bodies on the data of that
+/// time. It is found when the change from slab to slab has fallen by the factor `tolerance`. Bodies then rest, and their energy balance begins
+/// anew.
+///
+/// # Errors
+/// [`NoEquilibrium`]; the state is then that of the last slab.
+pub fn find_equilibrium<const D: usize, const M: usize>(
+    march: &mut FlowMarch<D, M>,
+    tolerance: f64,
+) -> Result<Equilibrium<M>, NoEquilibrium> {
+    let (start, first) = (march.state.time, march.state.step);
+    march.solver.system.hold_time(start);
+    march.schedule.end = f64::INFINITY;
+    march.adapt(StepControl { tolerance: f64::INFINITY, smallest: SHORTEST * first, largest: LONGEST * first });
+    let (mut steps, mut iterations, mut largest_jump) = (0, 0, 0.0_f64);
+    let (mut flow, mut bodies) = (1.0, 1.0);
+    for slabs in 1..=SLABS {
+        let before = march.state.bodies.clone();
+        let length = march.state.step;
+        let report = march.advance().map_err(|source| NoEquilibrium::Slab { slab: slabs, length, source })?;
+        steps += report.newton.steps.len();
+        iterations += report.newton.krylov_iterations;
+        largest_jump = largest_jump.max(report.jump);
+        (flow, bodies) = (ratio(report.jump, largest_jump), way(&before, &march.state.bodies));
+        tracing::info!(slabs, length, flow, bodies, "equilibrium");
+        if flow <= tolerance && bodies <= tolerance {
+            return Ok(Equilibrium { report: at_rest(start, report, &mut march.state), slabs, steps, iterations });
+        }
+    }
+    Err(NoEquilibrium::Moves { slabs: SLABS, flow, bodies })
+}
+
+/// The largest change of a coordinate in a slab, relative to the largest coordinate.
+fn way(before: &[Vec<f64>], after: &[Vec<f64>]) -> f64 {
+    let positions = |stored: &Vec<f64>| stored[..BodyState::coordinates(stored)].to_vec();
+    let (old, new): (Vec<f64>, Vec<f64>) =
+        (before.iter().flat_map(positions).collect(), after.iter().flat_map(positions).collect());
+    ratio(largest(old.iter().zip(&new).map(|(old, new)| (new - old).abs())), largest(new.iter().map(|x| x.abs())))
+}
+
+/// 0 / 0 = 0
+fn ratio(part: f64, whole: f64) -> f64 {
+    if whole > 0.0 { part / whole } else { 0.0 }
+}
+
+/// Makes `state` one at the time `start`, where bodies rest and nothing has happened yet, and `report` that of a slab of length zero there.
+fn at_rest<const M: usize>(start: f64, mut report: SlabReport<M>, state: &mut State) -> SlabReport<M> {
+    for stored in &mut state.bodies {
+        let coordinates = BodyState::coordinates(stored);
+        stored[coordinates..].fill(0.0);
+        debug_assert_eq!(stored.len(), 2 * coordinates + Ledger::LEN, "positions, rates, ledger");
+    }
+    let State { u, d, bodies, step, .. } = std::mem::replace(state, State::new(start, Vec::new(), Vec::new()));
+    *state = State { bodies, step, ..State::new(start, u, d) };
+    report.slab = 0;
+    (report.interval.start, report.interval.end, report.jump) = (start, start, 0.0);
+    report.fluxes.drain(..report.fluxes.len().saturating_sub(1));
+    report.fluxes.iter_mut().for_each(|top| top.time = start);
+    report
+}
