@@ -57,6 +57,7 @@ DRAWN = {
     "turek_hron_fsi1": ("vorticity", {"range": "-10,10"}),
     "turek_hron_fsi2": ("vorticity", {"range": "-50,50"}),
     "turek_hron_fsi3": ("vorticity", {"range": "-100,100"}),
+    "turbulent_channel": ("mach", {"window": "x=1.25"}),
     "vortex": ("vorticity", {}),
     "vortex_period": ("vorticity", {}),
     "vortex_sinusoidal": ("vorticity", {}),

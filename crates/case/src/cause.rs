@@ -196,12 +196,18 @@ impl Cause {
         value: Option<&str>,
         names: &[String],
         choices: impl FnOnce() -> Vec<String>,
-        choice_of_number: impl FnOnce() -> Option<String>,
+        choice_of_number: impl Fn() -> Option<String>,
         settings: impl FnOnce(&str) -> Option<&'static str>,
     ) -> Self {
         for (start, kind) in [("unknown field `", "key"), ("unknown variant `", "choice")] {
             let mut names = message.split('`').skip(1).step_by(2).map(str::to_owned);
             if let (true, Some(name)) = (message.starts_with(start), names.next()) {
+                if is_formula(&name)
+                    && let Some(choice) = choice_of_number()
+                {
+                    let accepted = format!("`{{ {choice} = \"{name}\" }}`, or else {}", quoted(&choices()));
+                    return Cause::Type { found: "neither a name nor a table".to_owned(), accepted };
+                }
                 return Cause::Unknown { kind, name, accepted: names.collect(), belongs: None };
             }
         }
@@ -282,6 +288,11 @@ impl Cause {
             _ => None,
         }
     }
+}
+
+/// Whether the name of a choice is rather the formula of a number.
+fn is_formula(name: &str) -> bool {
+    name.contains(|c: char| c.is_ascii_digit() || "+*/(".contains(c))
 }
 
 /// A whole number that no integer of TOML holds.

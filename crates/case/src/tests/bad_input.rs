@@ -621,6 +621,9 @@ fn a_number_alone_is_shown_where_it_belongs() {
     let text = BASE.replace("order = 4", "order = 4\ngas.viscosity = 0.002");
     let message = check_text(&text, &[]).unwrap_err().to_string();
     assert!(message.contains("`{ constant = 0.002 }`"), "{message}");
+    let text = BASE.replace("order = 4", "order = 4\ngas.viscosity = \"1/500\"");
+    let message = check_text(&text, &[]).unwrap_err().to_string();
+    assert!(message.contains("`{ constant = \"1/500\" }`"), "{message}");
 }
 
 /// `others` is checked for each boundary that it stands for, and its error is reported once.
