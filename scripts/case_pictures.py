@@ -58,6 +58,8 @@ DRAWN = {
     "turek_hron_fsi2": ("vorticity", {"range": "-50,50"}),
     "turek_hron_fsi3": ("vorticity", {"range": "-100,100"}),
     "turbulent_channel": ("mach", {"window": "x=1.25"}),
+    "turbine_blade_3d": ("mach", {"window": "z=0.11"}),
+    "turbine_blade_3d_rough": ("mach", {"window": "z=0.11"}),
     "vortex": ("vorticity", {}),
     "vortex_period": ("vorticity", {}),
     "vortex_sinusoidal": ("vorticity", {}),
