@@ -63,7 +63,8 @@ fn assert_same_bits_on(numbers: &[(usize, usize)], case: &str, set: &[&str]) -> 
     directory
 }
 
-const VORTEX: [&str; 4] = ["mesh.generate.box.cells=[6,6]", "time.step=0.2", "time.end=1", "parallel.blocks=4"];
+const VORTEX: [&str; 4] =
+    ["mesh.generate.box.cells=[6,6]", "time.step=0.2", "time.end=1", "parallel={blocks=4,stages=1}"];
 
 #[test]
 fn a_moving_vortex_has_the_same_bits_on_any_number_of_ranks() {

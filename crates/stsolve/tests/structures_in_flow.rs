@@ -86,7 +86,6 @@ fn a_plate_in_three_dimensions_takes_few_iterations() {
     let directory = TempDir::new().unwrap();
     finished(directory.path(), "flexible_plate_3d", &["time.end=0.04", "time.slabs=2"]);
     let iterations = column(&directory.path().join("flexible_plate_3d"), "krylov");
-    println!("{iterations:?}");
     assert!(iterations.len() == 2 && iterations.iter().all(|krylov| *krylov <= 9.0), "{iterations:?}");
 }
 

@@ -225,7 +225,8 @@ impl<const D: usize> Case<D> {
         let mut errors = Errors::default();
         let independent = Independent::check(checker, raw, mesh, &mut errors);
         let dependent = Dependent::check(checker, raw, &independent, &mut errors);
-        let stages = errors.note(parallel::stages(checker, &raw.parallel));
+        let cells = independent.mesh.as_ref().map_or(0, mesh_crate::Mesh::n_cells);
+        let stages = errors.note(parallel::stages(checker, &raw.parallel, cells));
         check_presence(checker, raw, &independent, &mut errors);
         errors.all()?;
         let (Some(independent), Some(dependent), Some(stages)) = (independent.whole(), dependent.whole(), stages)

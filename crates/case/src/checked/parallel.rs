@@ -4,15 +4,20 @@ use crate::checker::{Checked, Checker};
 use crate::key::Key;
 use crate::raw::{Parallel, Stages};
 
-/// The number of groups of cells that the preconditioner eliminates one after the other.
-pub(super) fn stages(checker: &Checker<'_>, raw: &Parallel) -> Checked<usize> {
+/// Blocks with fewer cells than this lose many iterations if they are eliminated at the same time (docs/src/clusters.md).
+const CELLS_OF_SMALL_BLOCK: usize = 20;
+
+/// The number of groups of cells that the preconditioner eliminates one after the other, for a mesh of so many `cells`.
+pub(super) fn stages(checker: &Checker<'_>, raw: &Parallel, cells: usize) -> Checked<usize> {
     let key = Key::new("parallel").child("stages");
     let accepted = "a whole number from 1, or \"exact\"";
     match &raw.stages {
-        Stages::Name(name) => {
+        None if raw.blocks > 1 && cells < CELLS_OF_SMALL_BLOCK * raw.blocks => Ok(usize::MAX),
+        None => Ok(1),
+        Some(Stages::Name(name)) => {
             checker.require(&key, "the number of stages", name == "exact", accepted).map(|()| usize::MAX)
         }
-        Stages::Number(number) => {
+        Some(Stages::Number(number)) => {
             checker.require(&key, "the number of stages", *number > 0, accepted).map(|()| *number)
         }
     }

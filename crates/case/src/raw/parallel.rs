@@ -14,13 +14,14 @@ pub struct Parallel {
     pub blocks: usize,
     /// The number of groups of cells that the preconditioner `"blocks"` eliminates one after the other, in all blocks at the same time.
     /// `"exact"` keeps the order of elimination of a mesh in one block. More groups save iterations if there are many blocks, but cost
-    /// messages: each group takes some rounds of messages in a sweep.
-    pub stages: Stages,
+    /// messages: each group takes some rounds of messages in a sweep. Default: 1, or `"exact"` if blocks have fewer than 20 cells, most of which
+    /// are at cuts.
+    pub stages: Option<Stages>,
 }
 
 impl Default for Parallel {
     fn default() -> Self {
-        Parallel { blocks: 1, stages: Stages::Number(1) }
+        Parallel { blocks: 1, stages: None }
     }
 }
 

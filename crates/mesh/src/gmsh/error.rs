@@ -148,7 +148,9 @@ pub enum GmshError {
         tilted: bool,
     },
     /// A named element of dimension D - 1 is not a face of a cell.
-    #[error("element {element} of boundary \"{name}\" is not a face of any cell")]
+    #[error(
+        "element {element} of boundary \"{name}\" is not a face of any cell: a physical group for the cells beside it too, or none for it"
+    )]
     Stray {
         /// The element.
         element: u64,

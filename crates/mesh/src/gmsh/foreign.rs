@@ -4,13 +4,17 @@
 const HEADER: usize = 1 << 16;
 
 /// The first bytes of formats, and their names with an article.
-const BEGINNINGS: [(&[u8], &str); 3] = [
+const BEGINNINGS: [(&[u8], &str); 7] = [
     (b"\x89HDF\r\n\x1a\n", "an HDF5 file, such as a CGNS mesh or a result of stsolve, and no text"),
     (
         b"@(#)ADF Database Version",
         "a CGNS file in the old format ADF, which `adf2hdf` or `cgnsconvert -h` converts to HDF5",
     ),
     (b"<?xml", "an XML file, such as a mesh of VTK"),
+    (b"<VTKFile", "a mesh of VTK"),
+    (b"# vtk DataFile", "a mesh of VTK"),
+    (b"MeshVersionFormatted", "a mesh of Medit"),
+    (b"*HEADING", "a mesh of Abaqus"),
 ];
 
 /// The format of a file that is not Gmsh's, if it is known.
