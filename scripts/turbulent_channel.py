@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The mean flow and the fluctuations of a turbulent channel beside published ones.
 
-    turbulent_channel.py [RUN] [--upto 60] [--within PERCENT]
+    turbulent_channel.py [RUN] [--order 4] [--upto 150] [--within PERCENT]
 
 Reads averages_along.csv of a run of `cases/turbulent_channel.toml`, runs/turbulent_channel if none is given. Both halves of the channel are
 averaged. The published values are those of del Alamo & Jimenez, Phys. Fluids 15 (2003) L41, at Re_tau = 186. Prints a table in Markdown: the
@@ -11,6 +11,7 @@ momentum, whose exact shear is 1 - y / h. With --within a mean velocity that dif
 
 import argparse
 import csv
+import math
 import pathlib
 import sys
 
@@ -38,35 +39,48 @@ def profile(run):
     return {**mean, "distance": [1 + low["y"] for low, _ in halves]}
 
 
-def at(distances, values, distance):
-    """The value at a distance, between nodes along a straight line."""
-    upper = next((k for k, x in enumerate(distances) if x >= distance and k > 0), len(distances) - 1)
-    low, high = distances[upper - 1], distances[upper]
-    part = (distance - low) / (high - low)
-    return (1 - part) * values[upper - 1] + part * values[upper]
+class Polynomials:
+    """Columns between nodes: in every cell the polynomial through its `order` nodes."""
 
+    def __init__(self, columns, order):
+        self.columns, self.order, self.nodes = columns, order, columns["distance"]
 
-def slope(distances, values, distance):
-    """The derivative there, by a difference over a hundredth of the distance."""
-    step = 0.01 * distance
-    return (at(distances, values, distance + step) - at(distances, values, distance - step)) / (2 * step)
+    def weights(self, distance):
+        """The number of the first node of the cell, and of each of its nodes the Lagrange polynomial and its derivative there."""
+        last = (len(self.nodes) - 1) // (self.order - 1) - 1
+        cell = min(last, sum(distance > self.nodes[k] for k in range(self.order - 1, len(self.nodes), self.order - 1)))
+        x = self.nodes[cell * (self.order - 1):][:self.order]
+        others = [[y for j, y in enumerate(x) if j != k] for k in range(self.order)]
+        scales = [math.prod(own - y for y in rest) for own, rest in zip(x, others)]
+        values = [math.prod(distance - y for y in rest) / scale for rest, scale in zip(others, scales)]
+        slopes = [
+            sum(math.prod(distance - y for j, y in enumerate(rest) if j != i) for i in range(len(rest))) / scale
+            for rest, scale in zip(others, scales)
+        ]
+        return cell * (self.order - 1), values, slopes
+
+    def at(self, name, distance):
+        """The value of a column and its derivative."""
+        first, values, slopes = self.weights(distance)
+        own = self.columns[name][first:][:self.order]
+        return tuple(sum(w * v for w, v in zip(weights, own)) for weights in (values, slopes))
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("run", type=pathlib.Path, nargs="?", default=pathlib.Path("runs/turbulent_channel"))
-    parser.add_argument("--upto", type=float, default=60, help="in wall units")
+    parser.add_argument("--order", type=int, default=4, help="of the flow")
+    parser.add_argument("--upto", type=float, default=150, help="in wall units")
     parser.add_argument("--within", type=float, help="percent")
     arguments = parser.parse_args()
-    columns = profile(arguments.run)
-    value = lambda name, y: at(columns["distance"], columns[name], y / RE_TAU)
+    columns = Polynomials(profile(arguments.run), arguments.order)
     print("| y+ | U+ | published | difference | u'+ | published | v'+ | published | w'+ | published | shear |")
     print("|---|---|---|---|---|---|---|---|---|---|---|")
     worst = 0
     for y, mean, *published in PUBLISHED:
-        u = value("mean_velocity_x", y)
-        rms = [value(f"reynolds_stress_{c}{c}", y) ** 0.5 for c in "xyz"]
-        shear = slope(columns["distance"], columns["mean_velocity_x"], y / RE_TAU) / RE_TAU - value("reynolds_stress_xy", y)
+        u, slope = columns.at("mean_velocity_x", y / RE_TAU)
+        rms = [max(0, columns.at(f"reynolds_stress_{c}{c}", y / RE_TAU)[0]) ** 0.5 for c in "xyz"]
+        shear = slope / RE_TAU - columns.at("reynolds_stress_xy", y / RE_TAU)[0]
         difference = 100 * (u / mean - 1)
         worst = max(worst, abs(difference) if y <= arguments.upto else 0)
         fluctuations = " | ".join(f"{own:.3f} | {other:.3f}" for own, other in zip(rms, published))
