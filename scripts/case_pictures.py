@@ -57,7 +57,7 @@ DRAWN = {
     "turek_hron_fsi1": ("vorticity", {"range": "-10,10"}),
     "turek_hron_fsi2": ("vorticity", {"range": "-50,50"}),
     "turek_hron_fsi3": ("vorticity", {"range": "-100,100"}),
-    "turbulent_channel": ("mach", {"window": "x=1.25"}),
+    "turbulent_channel": ("mach", {"window": "z=0.5"}),
     "turbine_blade_3d": ("mach", {"window": "z=0.11"}),
     "turbine_blade_3d_rough": ("mach", {"window": "z=0.11"}),
     "vortex": ("vorticity", {}),
