@@ -1,7 +1,7 @@
 //! Speed and amplitude of the motion of a mesh.
 
 use super::Facts;
-use case::{Case, Flow, Motion, Wall};
+use case::{Case, Flow, Motion};
 use mesh::NodeNumbering;
 use simulation::PrescribedNode;
 use std::collections::BTreeSet;
@@ -75,20 +75,31 @@ impl MotionScales {
     }
 }
 
+/// The nodes with a prescribed motion on walls of `flow`.
+fn on_walls<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Vec<PrescribedNode<D>> {
+    let mesh = &facts.case.mesh;
+    let numbering = NodeNumbering::new(mesh, mesh.order());
+    let walls: BTreeSet<usize> =
+        flow.walls.iter().flat_map(|wall| numbering.on_boundary(mesh, wall.boundary)).collect();
+    facts.prescribed.iter().filter(|(node, ..)| walls.contains(node)).cloned().collect()
+}
+
+/// The scales of the motion of the walls of `flow`; None if they rest.
+pub(super) fn of_walls<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<MotionScales> {
+    MotionScales::new(facts.case, &on_walls(facts, flow))
+}
+
 /// The largest initial speed of a node with a prescribed motion on a wall of `flow`; None if there is no such wall.
 pub(super) fn walls_at_start<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<f64> {
     let case = facts.case;
     let moment = MOMENT * case.time.step / TIMES[0] as f64;
-    let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
-    let on_wall = |wall: &Wall<D>| numbering.on_boundary(&case.mesh, wall.boundary);
-    let walls: BTreeSet<usize> = flow.walls.iter().flat_map(on_wall).collect();
-    let moved = facts.prescribed.iter().filter(|(node, ..)| walls.contains(node));
+    let moved = on_walls(facts, flow);
     let start = case.time.start;
     let at_start = |(node, x, field): &PrescribedNode<D>| {
         let path = |t: f64| field.displacement(*node, x, t);
         speed(&path(start), &path(start + moment), moment)
     };
-    moved.map(at_start).reduce(f64::max)
+    moved.iter().map(at_start).reduce(f64::max)
 }
 
 /// The mean speed between two displacements, `dt` apart.

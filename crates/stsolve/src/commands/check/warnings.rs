@@ -2,7 +2,7 @@
 
 use super::Facts;
 use super::resolution::{cells_of_file, free_flow, layer, quadrature, slab_length};
-use super::scales::walls_at_start;
+use super::scales::{of_walls, walls_at_start};
 use case::{Flow, Motion, Preconditioner, State};
 use navier_stokes::{Boundary, Riemann, Viscosity};
 
@@ -182,7 +182,7 @@ fn sudden_flow<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<W
 /// Walls nearly as fast as sound cause shocks in a gas at rest. Often the amplitude or the period has another unit than meant.
 fn fast_walls<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
     let sound = flow.reference_speed / flow.law.reference.mach();
-    let relative = facts.motion?.speed / sound;
+    let relative = of_walls(facts, flow)?.speed / sound;
     if relative <= TRANSONIC || flow.law.shock_capturing.is_some() {
         return None;
     }
