@@ -21,6 +21,10 @@ const LONGEST: f64 = 1e5;
 /// The shortest slab, in the same units.
 const SHORTEST: f64 = 1e-3;
 
+/// Changes smaller than this count as if they were as large, in units of the reference state and of the reference length: they may be
+/// rounding, as the lift of a symmetric body.
+const SMALL: f64 = 1e-2;
+
 /// Slabs after which the search is given up.
 const SLABS: usize = 80;
 
@@ -69,30 +73,33 @@ pub enum NoEquilibrium {
 }
 
 /// Replaces the state of `march`, a run at its start with one node in time, by the equilibrium of flow, mesh and bodies on the data of that
-/// time. It is found when the change from slab to slab has fallen by the factor `tolerance`. Bodies then rest, and their energy balance begins
-/// anew.
+/// time. It is found when the change from slab to slab has fallen by the factor `tolerance`. Bodies, of the size `length`, then rest, and their
+/// energy balance begins anew.
 ///
 /// # Errors
 /// [`NoEquilibrium`]; the state is then that of the last slab.
 pub fn find_equilibrium<const D: usize, const M: usize>(
     march: &mut FlowMarch<D, M>,
     tolerance: f64,
+    length: f64,
 ) -> Result<Equilibrium<M>, NoEquilibrium> {
     let (start, first) = (march.state.time, march.state.step);
     march.solver.system.hold_time(start);
     march.schedule.end = f64::INFINITY;
     march.adapt(StepControl { tolerance: f64::INFINITY, smallest: SHORTEST * first, largest: LONGEST * first });
-    let (mut steps, mut iterations, mut largest_jump) = (0, 0, 0.0_f64);
+    // The jump is an L2 norm over the domain.
+    let mut largest_jump = SMALL * march.solver.system.mover().reference.volume().sqrt();
+    let (mut steps, mut iterations) = (0, 0);
     let (mut flow, mut bodies) = (1.0, 1.0);
     for slabs in 1..=SLABS {
         let before = march.state.bodies.clone();
-        let length = march.state.step;
-        let report = march.advance().map_err(|source| NoEquilibrium::Slab { slab: slabs, length, source })?;
+        let step = march.state.step;
+        let report = march.advance().map_err(|source| NoEquilibrium::Slab { slab: slabs, length: step, source })?;
         steps += report.newton.steps.len();
         iterations += report.newton.krylov_iterations;
         largest_jump = largest_jump.max(report.jump);
-        (flow, bodies) = (ratio(report.jump, largest_jump), way(&before, &march.state.bodies));
-        tracing::info!(slabs, length, flow, bodies, "equilibrium");
+        (flow, bodies) = (report.jump / largest_jump, way(&before, &march.state.bodies, SMALL * length));
+        tracing::info!(slabs, length = step, flow, bodies, "equilibrium");
         if flow <= tolerance && bodies <= tolerance {
             return Ok(Equilibrium { report: at_rest(start, report, &mut march.state), slabs, steps, iterations });
         }
@@ -100,17 +107,13 @@ pub fn find_equilibrium<const D: usize, const M: usize>(
     Err(NoEquilibrium::Moves { slabs: SLABS, flow, bodies })
 }
 
-/// The largest change of a coordinate in a slab, relative to the largest coordinate.
-fn way(before: &[Vec<f64>], after: &[Vec<f64>]) -> f64 {
+/// The largest change of a coordinate in a slab, relative to the largest coordinate, which is at least `least`.
+fn way(before: &[Vec<f64>], after: &[Vec<f64>], least: f64) -> f64 {
     let positions = |stored: &Vec<f64>| stored[..BodyState::coordinates(stored)].to_vec();
     let (old, new): (Vec<f64>, Vec<f64>) =
         (before.iter().flat_map(positions).collect(), after.iter().flat_map(positions).collect());
-    ratio(largest(old.iter().zip(&new).map(|(old, new)| (new - old).abs())), largest(new.iter().map(|x| x.abs())))
-}
-
-/// 0 / 0 = 0
-fn ratio(part: f64, whole: f64) -> f64 {
-    if whole > 0.0 { part / whole } else { 0.0 }
+    let change = largest(old.iter().zip(&new).map(|(old, new)| (new - old).abs()));
+    change / largest(new.iter().map(|x| x.abs())).max(least)
 }
 
 /// Makes `state` one at the time `start`, where bodies rest and nothing has happened yet, and `report` that of a slab of length zero there.

@@ -88,7 +88,7 @@ where
         march.solver.newton = newton::Settings { relative_tolerance: SLAB_TOLERANCE, ..case.solver.newton() };
         march.state.u.clone_from(&self.state().u);
         let Equilibrium { report, slabs, steps, iterations } =
-            find_equilibrium(&mut march, steady.tolerance).map_err(with_cause)?;
+            find_equilibrium(&mut march, steady.tolerance, flow.reference_length).map_err(with_cause)?;
         context
             .observer
             .say(&format!("equilibrium of flow and bodies: {slabs} slabs  newton {steps}  krylov {iterations}"));
