@@ -76,7 +76,7 @@ impl MotionScales {
 }
 
 /// The nodes with a prescribed motion on walls of `flow`.
-fn on_walls<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Vec<PrescribedNode<D>> {
+pub(super) fn on_walls<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Vec<PrescribedNode<D>> {
     let mesh = &facts.case.mesh;
     let numbering = NodeNumbering::new(mesh, mesh.order());
     let walls: BTreeSet<usize> =
@@ -84,22 +84,15 @@ fn on_walls<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Vec<Prescri
     facts.prescribed.iter().filter(|(node, ..)| walls.contains(node)).cloned().collect()
 }
 
-/// The scales of the motion of the walls of `flow`; None if they rest.
-pub(super) fn of_walls<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<MotionScales> {
-    MotionScales::new(facts.case, &on_walls(facts, flow))
-}
-
-/// The largest initial speed of a node with a prescribed motion on a wall of `flow`; None if there is no such wall.
-pub(super) fn walls_at_start<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<f64> {
-    let case = facts.case;
+/// The largest initial speed of `nodes` of `case` with a prescribed motion; None if there are none.
+pub(super) fn speed_at_start<const D: usize>(case: &Case<D>, nodes: &[PrescribedNode<D>]) -> Option<f64> {
     let moment = MOMENT * case.time.step / TIMES[0] as f64;
-    let moved = on_walls(facts, flow);
     let start = case.time.start;
     let at_start = |(node, x, field): &PrescribedNode<D>| {
         let path = |t: f64| field.displacement(*node, x, t);
         speed(&path(start), &path(start + moment), moment)
     };
-    moved.iter().map(at_start).reduce(f64::max)
+    nodes.iter().map(at_start).reduce(f64::max)
 }
 
 /// The mean speed between two displacements, `dt` apart.

@@ -2,9 +2,10 @@
 
 use super::Facts;
 use super::resolution::{cells_of_file, free_flow, layer, quadrature, slab_length};
-use super::scales::{of_walls, walls_at_start};
+use super::scales::{MotionScales, on_walls, speed_at_start};
 use case::{Flow, Motion, Preconditioner, State};
 use navier_stokes::{Boundary, Riemann, Viscosity};
+use simulation::PrescribedNode;
 
 /// A far field nearer than this, in reference lengths, influences the flow.
 const FAR: f64 = 10.0;
@@ -37,9 +38,15 @@ pub(super) struct Warning {
 /// All warnings about a case.
 pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
     let of_flow = facts.case.flow.as_ref().map(|flow| {
+        let walls = on_walls(facts, flow);
         let of_boundaries = [body(facts, flow), friction(facts, flow), exact(flow), far_field(facts, flow)];
-        let of_start =
-            [start(facts, flow), sudden_flow(facts, flow), sutherland(flow), gamma(flow), fast_walls(facts, flow)];
+        let of_start = [
+            start(facts, flow, &walls),
+            sudden_flow(facts, flow),
+            sutherland(flow),
+            gamma(flow),
+            fast_walls(facts, flow, &walls),
+        ];
         let of_resolution =
             [quadrature(facts, flow), layer(facts, flow), free_flow(facts, flow), mach(flow), lines(facts, flow)];
         of_boundaries.into_iter().chain(of_start).chain(of_resolution)
@@ -121,8 +128,8 @@ fn far_field<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<War
 }
 
 /// A wall that has a speed at the start pushes the gas suddenly, for any motion of the interior mesh.
-fn start<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
-    let speed = walls_at_start(facts, flow)?;
+fn start<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>, walls: &[PrescribedNode<D>]) -> Option<Warning> {
+    let speed = speed_at_start(facts.case, walls)?;
     let relative = speed / flow.reference_speed;
     if relative <= SUDDEN {
         return None;
@@ -180,9 +187,9 @@ fn sudden_flow<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<W
 }
 
 /// Walls nearly as fast as sound cause shocks in a gas at rest. Often the amplitude or the period has another unit than meant.
-fn fast_walls<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
+fn fast_walls<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>, walls: &[PrescribedNode<D>]) -> Option<Warning> {
     let sound = flow.reference_speed / flow.law.reference.mach();
-    let relative = of_walls(facts, flow)?.speed / sound;
+    let relative = MotionScales::new(facts.case, walls)?.speed / sound;
     if relative <= TRANSONIC || flow.law.shock_capturing.is_some() {
         return None;
     }
