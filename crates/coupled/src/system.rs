@@ -24,6 +24,9 @@ use newton_krylov::inner_product::{InnerProduct, Parts, Weighted};
 use newton_krylov::problem::{Field, Inadmissible, NonlinearProblem};
 use std::ops::Range;
 
+/// Up to this many unknowns of bodies, products along the mesh that follows them are kept.
+const MOST_DIRECTIONS: usize = 12;
+
 /// The coupled problem of the current slab.
 pub struct System<const D: usize, const M: usize> {
     /// Bodies: they move walls, and the flow loads them.
@@ -41,8 +44,6 @@ pub struct System<const D: usize, const M: usize> {
     ranges: Vec<Range<usize>>,
     weights: Weighted,
     inverse_pseudo_time: Vec<f64>,
-    /// The time of all data, if they do not follow the slabs.
-    held_time: Option<f64>,
 }
 
 impl<const D: usize, const M: usize> System<D, M> {
@@ -67,7 +68,6 @@ impl<const D: usize, const M: usize> System<D, M> {
             ranges: Vec::new(),
             weights: Weighted::new(Vec::new()),
             inverse_pseudo_time: Vec::new(),
-            held_time: None,
         };
         system.lay_out();
         system
@@ -87,6 +87,9 @@ impl<const D: usize, const M: usize> System<D, M> {
             self.ranges.push(range);
         }
         let (flow, layout) = (self.flow_range(), self.flow.operator.layout);
+        if self.mesh.follows_everywhere() {
+            self.flow.expect_mesh_velocities(if flow.start <= MOST_DIRECTIONS { flow.start } else { 0 });
+        }
         self.weights.parts = parts(&self.flow.operator.share, flow.start, layout.cell_len());
         self.inverse_pseudo_time = vec![0.0; self.fields.len()];
         let len = self.flow.operator.mesh.field_len() * self.flow.operator.tables.orders.time;
@@ -138,13 +141,12 @@ impl<const D: usize, const M: usize> System<D, M> {
 
     /// Evaluates all data of this and of later slabs at `time`: a steady state depends on one time, although its slabs are long.
     pub fn hold_time(&mut self, time: f64) {
-        self.held_time = Some(time);
         self.flow.operator.hold_time(time);
     }
 
     /// Whether data follow the time of slabs.
     pub(crate) fn follows_time(&self) -> bool {
-        self.held_time.is_none()
+        self.flow.operator.held_time().is_none()
     }
 
     /// Moves to the slab `interval` on top of `state`.
@@ -153,7 +155,7 @@ impl<const D: usize, const M: usize> System<D, M> {
     /// The error of a block that cannot begin there.
     pub fn begin(&mut self, interval: Interval, state: &State) -> Result<(), SlabError> {
         self.inverse_pseudo_time.fill(0.0);
-        let clock = Clock::of_slab(interval.start, interval.end - interval.start, self.held_time);
+        let clock = Clock::of_slab(interval.start, interval.end - interval.start, self.flow.operator.held_time());
         let mut begun = Ok(());
         self.each(|block, _, _, _, _| {
             if begun.is_ok() {

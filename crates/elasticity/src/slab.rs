@@ -71,15 +71,23 @@ pub(crate) fn accumulate<T: Real>(dt: f64, v: &[T], integrals: &[f64], out: &mut
     }
 }
 
+/// How many entries of a field are combined at a time, so that they vectorise.
+const BLOCK: usize = 16;
+
 /// field[a] = sum_b matrix[a][b] field[b], in place.
 pub(crate) fn combine_nodes<T: Real>(matrix: &Matrix, field: &mut [T]) {
     let (nodes, length) = (matrix.rows(), field.len() / matrix.rows());
     let Some(zero) = field.first().map(|number| number.zero()) else { return };
-    let mut old = [zero; MAX_TIME_ORDER];
-    for i in 0..length {
-        (0..nodes).for_each(|b| old[b] = field[b * length + i]);
+    let mut old = [[zero; BLOCK]; MAX_TIME_ORDER];
+    for start in (0..length).step_by(BLOCK) {
+        let entries = |a: usize| a * length + start..a * length + (start + BLOCK).min(length);
+        (0..nodes).for_each(|b| old[b][..entries(b).len()].copy_from_slice(&field[entries(b)]));
         for a in 0..nodes {
-            field[a * length + i] = matrix.row(a).iter().zip(old).fold(zero, |sum, (entry, old)| sum + old * *entry);
+            let new = &mut field[entries(a)];
+            new.fill(zero);
+            for (entry, old) in matrix.row(a).iter().zip(&old) {
+                new.iter_mut().zip(old).for_each(|(new, old)| *new += *old * *entry);
+            }
         }
     }
 }

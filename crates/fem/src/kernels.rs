@@ -38,6 +38,20 @@ impl Differentiate {
     pub fn state_blocks(self) -> usize {
         if self == Differentiate::Nothing { 1 } else { 2 }
     }
+
+    /// The same where a direction of the mesh, and one of the state, may be zero; `None` if the derivative is zero. Many motions of a mesh
+    /// leave a part of it alone.
+    pub(crate) fn restricted(
+        self,
+        mesh_changes: impl FnOnce() -> bool,
+        state_changes: impl FnOnce() -> bool,
+    ) -> Option<Self> {
+        if self != Differentiate::StateAndMesh || mesh_changes() {
+            Some(self)
+        } else {
+            state_changes().then_some(Differentiate::State)
+        }
+    }
 }
 
 /// The times of a run of the facet kernel.

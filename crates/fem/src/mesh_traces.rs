@@ -55,6 +55,12 @@ impl MeshTraces {
         Some(&self.on_facets[(PARTS.len() * number + part) * len..][..len])
     }
 
+    /// Whether a trace on batch `number` of facets is not zero.
+    pub(crate) fn change_on_facets(&self, number: usize) -> bool {
+        let len = PARTS.len() * self.traces.layout.kind_len();
+        self.on_facets[number * len..][..len].iter().any(|pack| *pack != Pack::ZERO)
+    }
+
     /// Length of one kind.
     pub(crate) fn kind_len(&self) -> usize {
         self.traces.layout.kind_len()

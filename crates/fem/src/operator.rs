@@ -132,6 +132,11 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         self.clock = Clock::stopped(time);
     }
 
+    /// The time at which all data are evaluated, if they do not follow the slabs.
+    pub fn held_time(&self) -> Option<f64> {
+        self.held_time
+    }
+
     /// The row of positions at the top of the slab.
     pub fn top_row(&self) -> Matrix {
         self.tables.top.position_row(self.dt)

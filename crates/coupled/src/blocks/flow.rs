@@ -1,5 +1,9 @@
 //! The flow as a block: the conservative state in every cell, on the mesh that moves.
 
+mod effect_of_mesh;
+
+use effect_of_mesh::EffectOfMesh;
+
 use crate::block::{Block, Couplings, Exchange, Quantity};
 use crate::lagged_preconditioner::{LaggedPreconditioner, Linearisation, Update};
 use crate::slab_error::SlabError;
@@ -38,18 +42,11 @@ pub struct FlowBlock<const D: usize, const M: usize> {
     /// The velocities of the mesh that are set.
     velocities: Vec<f64>,
     inverse_pseudo_time: f64,
+    /// Zero: the direction of a state that does not change.
+    still: Vec<f64>,
     /// What is left of a residual after the mesh, where that moves.
     rest: Vec<f64>,
     effect_of_mesh: EffectOfMesh,
-}
-
-/// B v and the derivative of the loads along v: the product that follows a preconditioner step needs both again.
-#[derive(Default)]
-struct EffectOfMesh {
-    /// v; empty where nothing is known.
-    velocities: Vec<f64>,
-    residual: Vec<f64>,
-    loads: Vec<f64>,
 }
 
 impl<const D: usize, const M: usize> FlowBlock<D, M> {
@@ -62,10 +59,16 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
             bottom: vec![0.0; field_len],
             velocities: vec![f64::NAN; field_len * operator.tables.orders.time],
             inverse_pseudo_time: 0.0,
+            still: Vec::new(),
             rest: Vec::new(),
             effect_of_mesh: EffectOfMesh::default(),
             operator,
         }
+    }
+
+    /// Tells that all velocities of the mesh lie in a space of `dimension` dimensions; zero if nothing is known.
+    pub(crate) fn expect_mesh_velocities(&mut self, dimension: usize) {
+        self.effect_of_mesh.dimension = dimension;
     }
 
     /// Moves to the slab `interval` on top of `bottom`.
@@ -88,7 +91,7 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
     /// Forgets the mesh: it must be set again.
     fn forget(&mut self) {
         self.velocities.fill(f64::NAN);
-        self.effect_of_mesh.velocities.clear();
+        self.effect_of_mesh.forget();
     }
 
     /// The integrals of the components of `u`, see [`totals`].
@@ -115,17 +118,15 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
 
     /// The effect B v of the velocities v of the mesh, and of nothing else.
     fn take_effect_of_mesh(&mut self, tangent: &Exchange) {
-        let v = &tangent.mesh_velocity;
         let _timed = tracing::trace_span!(target: "cost", "product").entered();
-        let EffectOfMesh { velocities, residual, loads } = &mut self.effect_of_mesh;
-        let still = vec![0.0; self.operator.layout.len()];
-        residual.resize(still.len(), 0.0);
-        self.counts.mesh_products += 1;
-        self.operator.product_with_mesh(&still, v, residual);
-        velocities.clear();
-        velocities.extend_from_slice(v);
-        loads.clear();
-        loads.extend_from_slice(self.operator.loads());
+        let FlowBlock { operator, effect_of_mesh, counts, still, .. } = self;
+        still.resize(operator.layout.len(), 0.0);
+        effect_of_mesh.take(&tangent.mesh_velocity, |v, residual| {
+            counts.mesh_products += 1;
+            residual.resize(still.len(), 0.0);
+            operator.product_with_mesh(still, v, residual);
+            operator.loads().to_vec()
+        });
     }
 
     /// The derivative along the state alone; that along the mesh, known already, is added.
@@ -135,8 +136,8 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
         tangent.wall_loads.clear();
         tangent.wall_loads.extend_from_slice(self.operator.loads());
         if tangent.mesh_moves {
-            add(&self.effect_of_mesh.residual, out);
-            add(&self.effect_of_mesh.loads, &mut tangent.wall_loads);
+            add(self.effect_of_mesh.residual(), out);
+            add(self.effect_of_mesh.loads(), &mut tangent.wall_loads);
         }
     }
 
@@ -206,12 +207,12 @@ impl<const D: usize, const M: usize> Block for FlowBlock<D, M> {
         self.set_mesh(exchange);
         self.operator.linearise(u);
         self.inverse_pseudo_time = inverse_pseudo_time;
-        self.effect_of_mesh.velocities.clear();
+        self.effect_of_mesh.forget();
     }
 
     fn product(&mut self, x: &[f64], tangent: &mut Exchange, out: &mut [f64]) {
         let _timed = tracing::trace_span!(target: "cost", "product").entered();
-        if !tangent.mesh_moves || self.effect_of_mesh.velocities == tangent.mesh_velocity {
+        if !tangent.mesh_moves || self.effect_of_mesh.is_of(&tangent.mesh_velocity) {
             self.product_beside_mesh(x, tangent, out);
         } else {
             self.product_with_mesh(x, tangent, out);
@@ -223,7 +224,7 @@ impl<const D: usize, const M: usize> Block for FlowBlock<D, M> {
         if tangent.mesh_moves {
             self.take_effect_of_mesh(tangent);
             self.rest.clear();
-            self.rest.extend(r.iter().zip(&self.effect_of_mesh.residual).map(|(r, effect)| r - effect));
+            self.rest.extend(r.iter().zip(self.effect_of_mesh.residual()).map(|(r, effect)| r - effect));
         }
         let _timed = tracing::trace_span!(target: "cost", "preconditioner").entered();
         self.preconditioner.apply(if tangent.mesh_moves { &self.rest } else { r }, x);

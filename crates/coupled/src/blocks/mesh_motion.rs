@@ -154,7 +154,7 @@ impl<const D: usize> MeshBlock<D> {
     }
 
     /// Whether bodies move every node, so that the mesh has no equations.
-    fn follows_everywhere(&self) -> bool {
+    pub(crate) fn follows_everywhere(&self) -> bool {
         matches!(self.mover.motion, MeshMotion::Followed)
     }
 

@@ -79,6 +79,8 @@ pub struct RigidBody<const D: usize> {
     slab: Slab,
     /// W at the point of linearisation and evaluation.
     w: Vec<f64>,
+    /// The derivatives of the surface there along the coordinates, `[a][k][node][component]`, once they are needed.
+    surface_columns: Option<Vec<f64>>,
     /// The loads of the flow at that point, `[time point][loaded node][component]`.
     flow_loads: Vec<f64>,
     /// Q at that point.
@@ -100,6 +102,7 @@ impl<const D: usize> RigidBody<D> {
             mean_eigenvalue: TemporalModes::new(&time).mean_shift(),
             slab: Slab::default(),
             w: vec![0.0; time.order() * data.coordinates.len()],
+            surface_columns: None,
             flow_loads: Vec::new(),
             loads: Loads::default(),
             inverse: None,
@@ -130,18 +133,41 @@ impl<const D: usize> RigidBody<D> {
         q
     }
 
-    /// Writes the displacement of the nodes that the body moves. `part` selects its value or its derivative.
-    fn write_surface<T: Transcendental>(&self, w: &[T], part: impl Fn(T) -> f64, exchange: &mut Exchange) {
-        let q = self.positions(w);
+    /// Sets the rates to `w`, and writes the displacement of the nodes that the body moves.
+    fn set_rates(&mut self, w: &[f64], exchange: &mut Exchange) {
+        if self.w != w {
+            self.w.copy_from_slice(w);
+            self.surface_columns = None;
+        }
         let field = exchange.wall_displacement.len() / self.time().order();
-        for (q, out) in q.chunks_exact(self.count()).zip(exchange.wall_displacement.chunks_exact_mut(field)) {
-            self.surface.add_displacement(&self.data, q, &part, out);
+        let fields = exchange.wall_displacement.chunks_exact_mut(field);
+        for (q, out) in self.positions(w).chunks_exact(self.count()).zip(fields) {
+            self.surface.add_to_field(&self.surface.displacement(&self.data, q), out);
         }
     }
 
     /// Writes the derivative of this displacement along the rates `x`.
-    fn write_surface_derivative(&self, x: &[f64], tangent: &mut Exchange) {
-        self.write_surface(&along(&self.w, x), |displacement| displacement.derivative, tangent);
+    fn write_surface_derivative(&mut self, x: &[f64], tangent: &mut Exchange) {
+        let columns = self.surface_columns.take().unwrap_or_else(|| self.columns_of_surface());
+        let (count, field) = (self.count(), tangent.wall_displacement.len() / self.time().order());
+        let (still, mut dq, mut sum) = (vec![0.0; count], vec![0.0; count], vec![0.0; self.surface.nodes.len() * D]);
+        for (a, out) in tangent.wall_displacement.chunks_exact_mut(field).enumerate() {
+            self.motion.displacement_at_node(self.slab.dt, &still, x, a, &mut dq);
+            sum.fill(0.0);
+            for (dq, column) in dq.iter().zip(columns.chunks_exact(sum.len()).skip(a * count)) {
+                sum.iter_mut().zip(column).for_each(|(sum, derivative)| *sum += dq * derivative);
+            }
+            self.surface.add_to_field(&sum, out);
+        }
+        self.surface_columns = Some(columns);
+    }
+
+    /// The derivatives of the surface at the time nodes along the coordinates, `[a][k][node][component]`.
+    fn columns_of_surface(&self) -> Vec<f64> {
+        let q = self.positions(&self.w);
+        let unit = |k: usize| -> Vec<f64> { (0..self.count()).map(|l| f64::from(u8::from(k == l))).collect() };
+        let column = |q: &[f64], k: usize| derivatives(&self.surface.displacement(&self.data, &along(q, &unit(k))));
+        q.chunks_exact(self.count()).flat_map(|q| (0..self.count()).flat_map(move |k| column(q, k))).collect()
     }
 }
 
@@ -189,13 +215,12 @@ impl<const D: usize> Block for RigidBody<D> {
             rate: stored[count..2 * count].to_vec(),
             surface: self.surface.gather(&state.d),
         };
-        self.inverse = None;
+        (self.inverse, self.surface_columns) = (None, None);
         Ok(())
     }
 
     fn residual(&mut self, z: &[f64], exchange: &mut Exchange, r: &mut [f64]) -> Result<(), Inadmissible> {
-        self.w.copy_from_slice(z);
-        self.write_surface(z, |displacement: f64| displacement, exchange);
+        self.set_rates(z, exchange);
         r.copy_from_slice(&self.dynamics(z));
         Ok(())
     }
@@ -207,8 +232,7 @@ impl<const D: usize> Block for RigidBody<D> {
     }
 
     fn linearise(&mut self, z: &[f64], exchange: &mut Exchange, inverse_pseudo_time: f64) {
-        self.w.copy_from_slice(z);
-        self.write_surface(z, |displacement: f64| displacement, exchange);
+        self.set_rates(z, exchange);
         self.set_loads();
         self.inverse_pseudo_time = inverse_pseudo_time;
         self.inverse = None;
@@ -272,8 +296,7 @@ impl<const D: usize> Body for RigidBody<D> {
             None => z.chunks_exact_mut(self.count()).for_each(|z| z.copy_from_slice(&self.slab.rate)),
         }
         self.prescribe_rates(z);
-        self.w.copy_from_slice(z);
-        self.write_surface(z, |displacement: f64| displacement, exchange);
+        self.set_rates(z, exchange);
     }
 
     fn end_slab(&mut self, z: &[f64], stored: &mut Vec<f64>) {

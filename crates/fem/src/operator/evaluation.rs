@@ -81,6 +81,10 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         loads: &mut [f64],
     ) {
         let viscous = self.problem.kernels.is_viscous();
+        let Some(along) = self.changed_on_facets(along, batch) else {
+            terms.fill(0.0);
+            return loads.fill(0.0);
+        };
         let state = &self.state_and_direction()[..along.state_blocks()];
         self.gather_states(along, state, batch, scratch);
         let geometry = self.facet_geometry(along, batch);
@@ -149,6 +153,27 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         out: &mut [f64],
     ) {
         let cell_len = self.layout.cell_len();
+        match self.changed_in_cells(along, batch) {
+            Some(along) => self.volume_terms(along, batch, scratch),
+            None => {
+                scratch.residual.fill(Pack::ZERO);
+                scratch.violated = Pack::ZERO;
+            }
+        }
+        self.lift(cells_of(batch, self.layout.cells), terms, scratch);
+        scatter(&scratch.residual, cell_len, out);
+        for (lane, out) in out.chunks_exact_mut(cell_len).enumerate() {
+            if along == Differentiate::Nothing {
+                self.subtract_bottom(batch * WIDTH + lane, out);
+            }
+            if scratch.violated.0[lane] != 0.0 {
+                out[0] = f64::NAN;
+            }
+        }
+    }
+
+    /// The volume terms of one batch of cells.
+    fn volume_terms(&self, along: Differentiate, batch: usize, scratch: &mut CellScratch) {
         let state = self.state_and_direction().map(|traces| traces.coefficients(batch));
         let mesh = self.mesh_and_direction().map(|traces| traces.coefficients(batch));
         let (state, mesh) = (&state[..along.state_blocks()], &mesh[..along.geometry_blocks()]);
@@ -170,16 +195,25 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             self.differentiate_geometry(batch, scratch);
         }
         self.problem.kernels.slab_cells(along, &context, CellCoefficients { state, mesh }, scratch);
-        self.lift(cells_of(batch, self.layout.cells), terms, scratch);
-        scatter(&scratch.residual, cell_len, out);
-        for (lane, out) in out.chunks_exact_mut(cell_len).enumerate() {
-            if along == Differentiate::Nothing {
-                self.subtract_bottom(batch * WIDTH + lane, out);
-            }
-            if scratch.violated.0[lane] != 0.0 {
-                out[0] = f64::NAN;
-            }
-        }
+    }
+
+    /// What changes in a batch of cells.
+    fn changed_in_cells(&self, along: Differentiate, batch: usize) -> Option<Differentiate> {
+        let changes = |packs: &[Pack]| packs.iter().any(|pack| *pack != Pack::ZERO);
+        along.restricted(
+            || changes(self.mesh_direction_traces.coefficients(batch)),
+            || changes(self.direction_traces.coefficients(batch)),
+        )
+    }
+
+    /// What changes on a batch of facets.
+    fn changed_on_facets(&self, along: Differentiate, batch: &FacetBatch) -> Option<Differentiate> {
+        let of_side = |side: usize| batch.ends(side).into_iter().flat_map(|end| [0, 1].map(|kind| (end, kind)));
+        let mut ends = (0..batch.sides()).flat_map(of_side);
+        along.restricted(
+            || self.mesh_direction_traces.change_on_facets(batch.number),
+            || ends.any(|(end, kind)| self.direction_traces.of(end.cell, end.face, kind).iter().any(|x| *x != 0.0)),
+        )
     }
 
     fn state_and_direction(&self) -> [&Traces; 2] {

@@ -25,11 +25,14 @@ pub struct RigidBodyData {
     pub added_mass: AddedMass,
 }
 
-/// The mass of fluid that moves with a body, for the preconditioner alone.
+/// The fluid that moves with a body, for the preconditioner alone: a layer that is incompressible for slow motions, and takes up
+/// sound for fast ones.
 ///
 /// ```text
-/// m_L G_kl,    m_L = rho L / sqrt(1 + (|lambda| L / (dt c))^2),    G_kl = int (g_k . n)(g_l . n) dS                (added mass)
+/// load = - s m_L(s) G_kl W_l,    m_L(s) = rho L / (1 + s L / c),    G_kl = int (g_k . n)(g_l . n) dS               (added mass)
 /// ```
+///
+/// s is the derivative in time. The load is -rho L G dW/dt for s L << c, and -rho c G W, that of plane waves, for s L >> c.
 #[derive(Clone, Debug)]
 pub struct AddedMass {
     /// rho
@@ -40,4 +43,16 @@ pub struct AddedMass {
     pub depth: f64,
     /// G, `[coordinate][coordinate]`.
     pub area: Matrix,
+}
+
+impl AddedMass {
+    /// m_L for motions of the real `rate` s.
+    pub(super) fn surface_density(&self, rate: f64) -> f64 {
+        self.density * self.depth / (1.0 + rate * self.delay())
+    }
+
+    /// L / c
+    pub(super) fn delay(&self) -> f64 {
+        self.depth / self.speed_of_sound
+    }
 }

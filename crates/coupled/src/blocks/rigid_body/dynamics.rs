@@ -1,6 +1,6 @@
 //! (rigid body) without the loads of the flow, its derivative, and the preconditioner.
 
-use super::{AddedMass, RigidBody, Six, Vec3, along, derivatives};
+use super::{RigidBody, Six, Vec3, along, derivatives};
 use basis::Matrix;
 use tensor::{Transcendental, dot};
 
@@ -86,17 +86,20 @@ impl<const D: usize> RigidBody<D> {
     /// The matrix of inertia at the bottom with (added mass) in a slab of length `dt`.
     pub(super) fn inertia_with_fluid(&self, dt: f64) -> Matrix {
         let position = if self.slab.position.is_empty() { vec![0.0; self.count()] } else { self.slab.position.clone() };
-        let (modes, fluid) = (self.data.modes(&position), self.added_mass(dt));
+        let (modes, fluid) = (self.data.modes(&position), &self.data.added_mass);
+        let layer = fluid.surface_density(self.mean_eigenvalue / dt);
         let momenta: Vec<Six<f64>> = modes.iter().map(|mode| self.data.momentum(&position, mode)).collect();
-        Matrix::from_fn(self.count(), self.count(), |k, l| dot(&modes[k], &momenta[l]) + fluid[(k, l)])
+        Matrix::from_fn(self.count(), self.count(), |k, l| dot(&modes[k], &momenta[l]) + layer * fluid.area[(k, l)])
     }
 
-    /// (added mass) in a slab of length `dt`.
-    fn added_mass(&self, dt: f64) -> Matrix {
-        let AddedMass { density, speed_of_sound, depth, area } = &self.data.added_mass;
-        let ratio = self.mean_eigenvalue * depth / (dt * speed_of_sound);
-        let layer = density * depth / (1.0 + ratio * ratio).sqrt();
-        Matrix::from_fn(self.count(), self.count(), |k, l| layer * area[(k, l)])
+    /// T m_L of (added mass), with the derivative (dt W)^-1 T in time: the load of the layer per area and rate, `[a][b]`.
+    fn layer_load(&self) -> Option<Matrix> {
+        let (time, fluid) = (self.time(), &self.data.added_mass);
+        let (t, n, mass) = (time.slab_matrix(), time.order(), fluid.density * fluid.depth);
+        let derivative = |a: usize, b: usize| t[(a, b)] / (self.slab.dt * time.weights()[a]);
+        let delayed = |a: usize, b: usize| f64::from(u8::from(a == b)) + fluid.delay() * derivative(a, b);
+        let load = t.product(&Matrix::from_fn(n, n, delayed).inverse()?);
+        Some(Matrix::from_fn(n, n, |a, b| mass * load[(a, b)]))
     }
 
     /// The inverse of the derivative of (rigid body), with (added mass) as the estimate of the load.
@@ -105,13 +108,14 @@ impl<const D: usize> RigidBody<D> {
         let len = n * count;
         let unit = |i: usize| -> Vec<f64> { (0..len).map(|j| f64::from(u8::from(i == j))).collect() };
         let columns: Vec<Vec<f64>> = (0..len).map(|i| self.dynamics_product(&unit(i))).collect();
-        let (with_fluid, added) = (self.inertia_with_fluid(self.slab.dt), self.added_mass(self.slab.dt));
+        let (with_fluid, layer, area) =
+            (self.inertia_with_fluid(self.slab.dt), self.layer_load()?, &self.data.added_mass.area);
         let driven: Vec<usize> = self.driven().collect();
         let matrix = Matrix::from_fn(len, len, |i, j| {
             let (a, k, b, l) = (i / count, i % count, j / count, j % count);
-            let fluid = if driven.contains(&k) { 0.0 } else { added[(k, l)] };
+            let fluid = if driven.contains(&k) { 0.0 } else { layer[(a, b)] * area[(k, l)] };
             let damped = if a == b { self.inverse_pseudo_time * self.time().weights()[a] * self.slab.dt } else { 0.0 };
-            columns[j][i] + self.time().slab_matrix()[(a, b)] * fluid + damped * with_fluid[(k, l)]
+            columns[j][i] + fluid + damped * with_fluid[(k, l)]
         });
         matrix.inverse()
     }

@@ -42,19 +42,16 @@ impl<const D: usize> Surface<D> {
         self.wall().iter().flat_map(|node| data.displacement(node, &place)).collect()
     }
 
-    /// Adds the displacement at the coordinates `q` to the field `out`, `[C0 node][component]`. `part` selects its value or its derivative.
-    pub(super) fn add_displacement<T: Transcendental>(
-        &self,
-        data: &RigidBodyData,
-        q: &[T],
-        part: impl Fn(T) -> f64,
-        out: &mut [f64],
-    ) {
+    /// The displacement of all nodes at the coordinates `q`, `[node][component]`.
+    pub(super) fn displacement<T: Transcendental>(&self, data: &RigidBodyData, q: &[T]) -> Vec<T> {
         let place = data.place(q);
-        for node in &self.nodes {
-            let displacement = data.displacement(node, &place);
-            let entries = out[node.node * D..(node.node + 1) * D].iter_mut();
-            entries.zip(displacement).for_each(|(out, value)| *out += part(value));
+        self.nodes.iter().flat_map(|node| data.displacement(node, &place)).collect()
+    }
+
+    /// Adds `values`, `[node][component]`, to the field `out`, `[C0 node][component]`.
+    pub(super) fn add_to_field(&self, values: &[f64], out: &mut [f64]) {
+        for (node, values) in self.nodes.iter().zip(values.chunks_exact(D)) {
+            out[node.node * D..(node.node + 1) * D].iter_mut().zip(values).for_each(|(out, value)| *out += value);
         }
     }
 
@@ -73,6 +70,11 @@ pub(super) struct BodyPosition<T> {
 }
 
 impl RigidBodyData {
+    /// Whether a coordinate is a rotation.
+    fn rotates(&self) -> bool {
+        self.coordinates.iter().any(|coordinate| coordinate.freedom.rotates())
+    }
+
     /// h and Theta at the coordinates `q`.
     pub(super) fn place<T: Transcendental>(&self, q: &[T]) -> BodyPosition<T> {
         let mut place = BodyPosition { h: [T::from(0.0); 3], theta: [T::from(0.0); 3] };
@@ -97,9 +99,13 @@ impl RigidBodyData {
         node: &SurfaceNode<D>,
         place: &BodyPosition<T>,
     ) -> [T; D] {
+        let translated = std::array::from_fn(|d| place.h[d] * node.weight);
+        if !self.rotates() {
+            return translated;
+        }
         let arm = self.arm(&node.position).map(T::from);
         let turned = moved_by_rotation(&place.theta.map(|theta| theta * node.weight), &arm);
-        std::array::from_fn(|d| place.h[d] * node.weight + turned[d])
+        std::array::from_fn(|d| translated[d] + turned[d])
     }
 
     /// Velocity of the pivot and angular velocity per rate of every coordinate: (e_k, 0) or (0, G_k).
