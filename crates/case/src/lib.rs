@@ -1,9 +1,9 @@
 //! Case files: TOML and formulas become a checked [`Case`].
 //!
-//! This crate is the only one that reads TOML. It computes only the mesh at rest, and prints nothing.
+//! No crate but this and `case_keys` reads TOML. The only thing that it computes is the mesh at rest. It prints nothing.
 //!
 //! ```text
-//! text + --set  ->  Document (every key and value with its place)  ->  raw::Case  ->  Case
+//! text + --set  ->  Document (every key and value with its place)  ->  case_keys::Case  ->  Case
 //! ```
 //!
 //! | module | holds |
@@ -14,9 +14,8 @@
 //! | `key` | the path of a key, `flow.boundary.left` |
 //! | `error` | errors and their places |
 //! | `magnitude` | which numbers the program can compute with |
-//! | `raw` | the keys, their types, defaults and descriptions: the schema |
 //! | `continuation`, `continued_tables` | conditions for continuing the run of another case; longer tables |
-//! | `checked` | the checked case; no other code uses `raw` |
+//! | `checked` | the checked case; no other code uses the keys, `case_keys` |
 //! | `reading` | from the document to the raw case: all errors of keys and types; formulas where numbers are needed |
 //! | `consequences` | which errors may only follow from other ones |
 //! | `shape` | unknown keys, lists that are too long, lists in the place of tables |
@@ -72,7 +71,6 @@ pub mod memory;
 pub mod mesh_file;
 mod nearest;
 mod point_data;
-mod raw;
 mod reading;
 mod shape;
 mod state;
@@ -82,6 +80,8 @@ mod vector;
 
 pub use any_mesh::{AnyMesh, MeshFileError};
 pub use boundary_motion::{BoundaryMotion, DisplacementOf, NormalMotion, RigidMotion, RigidStep};
+pub(crate) use case_keys as raw;
+pub use case_keys::{editor_schema, schema};
 pub use cause::Cause;
 pub use checked::*;
 pub use continuation::{Difference, Differences, differences, differences_after, lasting_of};
@@ -90,6 +90,5 @@ pub use document::Document;
 pub use error::{CaseError, Place};
 pub use fields::FieldFormula;
 pub use point_data::PointData;
-pub use raw::{editor_schema, schema};
 pub use state::State;
 pub use vector::Vector;

@@ -13,11 +13,9 @@ use super::key::{Key, Step};
 use super::magnitude;
 use super::raw::{self, Formula};
 use super::shape::{self, NumberText};
-use serde::Deserialize;
-use serde::de::IntoDeserializer;
 use std::collections::BTreeMap;
 use toml::Spanned;
-use toml::de::{DeTable, DeValue, Deserializer};
+use toml::de::{DeTable, DeValue};
 
 /// Sections that every case has, and what stands for them if they cannot be read.
 const NEEDED: [(&str, &str); 2] = [
@@ -126,7 +124,7 @@ impl Reader<'_> {
     /// The case; None if a required part has an error and nothing can stand for it.
     fn deserialised(&mut self, tree: &mut Spanned<DeTable<'_>>) -> Option<raw::Case> {
         loop {
-            let error = match raw::Case::deserialize(Deserializer::from(tree.clone())) {
+            let error = match raw::read_case(tree.clone()) {
                 Ok(case) => return Some(case),
                 Err(error) => error,
             };
@@ -184,7 +182,7 @@ fn constants(tree: &DeTable<'_>) -> (BTreeMap<String, Formula>, Damage) {
         None => {}
         Some(DeValue::Table(given)) => {
             for (name, value) in given.iter() {
-                match Formula::deserialize(value.clone().into_deserializer()) {
+                match raw::read_formula(value.clone()) {
                     Ok(formula) => drop(constants.insert(name.get_ref().to_string(), formula)),
                     Err(_) => lost.add(section.child(name.get_ref())),
                 }

@@ -57,7 +57,7 @@ fn files_with(words: &[&str]) -> Vec<String> {
 #[test]
 fn a_library_of_files_ranks_or_the_terminal_has_few_users() {
     for (library, users) in [
-        ("toml", &["case"][..]),
+        ("toml", &["case", "case_keys"][..]),
         ("hdf5", &["cgns", "output"]),
         ("mpi", &["message_passing"]),
         ("clap", &["stsolve"]),

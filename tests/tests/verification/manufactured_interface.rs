@@ -28,14 +28,14 @@ fn the_order_in_space_is_n_s() {
     }
 }
 
-/// Displacements have 2 N_t - 1 at the ends of slabs. In rates the stiff system keeps 0.4 less of it at N_t = 2.
+/// At N_t = 2 the rates of this stiff system have their order in short slabs only: 2.4 to 2.7 in longer ones.
 #[test]
 fn the_order_in_time_is_that_of_radau() {
-    for (time_order, slabs, lost) in [(1, [8, 16], 0.2), (2, [8, 16], 0.4)] {
-        let setting = |slabs| Setting { order: 6, time_order, cells: 3, slabs };
+    for (time_order, order, slabs) in [(1, 6, [8, 16]), (2, 8, [32, 64])] {
+        let setting = |slabs| Setting { order, time_order, cells: 3, slabs };
         let [flow, displacement, velocity] = orders(slabs.map(setting), 2.0);
-        let full = 2.0 * time_order as f64 - 1.0;
-        assert!(displacement >= full - 0.2, "N_t = {time_order}: {displacement:.2}");
-        assert!(flow.min(velocity) >= full - lost, "N_t = {time_order}: {flow:.2}, {velocity:.2}");
+        let wanted = 2.0 * time_order as f64 - 1.0 - 0.2;
+        let least = flow.min(displacement).min(velocity);
+        assert!(least >= wanted, "N_t = {time_order}: {flow:.2}, {displacement:.2}, {velocity:.2}");
     }
 }

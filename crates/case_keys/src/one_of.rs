@@ -12,7 +12,7 @@ use std::marker::PhantomData;
 type FromList<T, Entry> = fn(Vec<Entry>) -> T;
 
 /// A value that is a text, and may be a number, a whole number or a list instead.
-pub(super) trait OneOf: Sized {
+pub(crate) trait OneOf: Sized {
     /// The entries of a list.
     type Entry: DeserializeOwned;
     /// The accepted types, for errors.
@@ -31,7 +31,7 @@ pub(super) trait OneOf: Sized {
 ///
 /// # Errors
 /// A type that is not accepted.
-pub(super) fn deserialize<'de, T: OneOf, S: Deserializer<'de>>(deserializer: S) -> Result<T, S::Error> {
+pub(crate) fn deserialize<'de, T: OneOf, S: Deserializer<'de>>(deserializer: S) -> Result<T, S::Error> {
     deserializer.deserialize_any(OneOfVisitor(PhantomData))
 }
 

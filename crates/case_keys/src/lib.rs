@@ -1,15 +1,20 @@
 //! The raw case: the keys of a case file with their types, defaults and descriptions.
 //!
-//! These doc comments are the reference of the case file: `stsolve schema` prints them.
+//! These doc comments are the reference of the case file: `stsolve schema` prints them. The crate `case` checks what the keys say.
+//!
+//! A case is read once per run, and its deserialisers are most of the code. In a crate of their own they are compiled without
+//! optimisation, in a tenth of the time.
 
 mod bodies;
 mod control;
+mod fields;
 mod flow;
 mod formula;
 mod generate;
 mod inertia;
-mod mesh;
+mod mesh_keys;
 mod motion;
+mod newton_settings;
 mod one_of;
 mod openings;
 mod parallel;
@@ -25,7 +30,7 @@ pub use flow::*;
 pub use formula::Formula;
 pub use generate::*;
 pub use inertia::InertiaEntry;
-pub use mesh::*;
+pub use mesh_keys::*;
 pub use motion::*;
 pub use openings::*;
 pub use parallel::{Parallel, Stages};
@@ -36,6 +41,7 @@ pub use structure::*;
 pub use table::*;
 
 use schemars::JsonSchema;
+use serde::de::IntoDeserializer;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -152,4 +158,20 @@ fn accept_formulas(schema: &mut serde_json::Value) {
         serde_json::Value::Array(entries) => entries.iter_mut().for_each(accept_formulas),
         _ => {}
     }
+}
+
+/// Reads a case from the `tree` of a document.
+///
+/// # Errors
+/// The first key that is missing, unknown or of the wrong type.
+pub fn read_case(tree: toml::Spanned<toml::de::DeTable<'_>>) -> Result<Case, toml::de::Error> {
+    Case::deserialize(toml::de::Deserializer::from(tree))
+}
+
+/// Reads a formula from a `value` of a document.
+///
+/// # Errors
+/// A value that is neither a number nor a text.
+pub fn read_formula(value: toml::Spanned<toml::de::DeValue<'_>>) -> Result<Formula, toml::de::Error> {
+    Formula::deserialize(value.into_deserializer())
 }
