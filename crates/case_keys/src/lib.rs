@@ -2,8 +2,7 @@
 //!
 //! These doc comments are the reference of the case file: `stsolve schema` prints them. The crate `case` checks what the keys say.
 //!
-//! A case is read once per run, and its deserialisers are most of the code. In a crate of their own they are compiled without
-//! optimisation, in a tenth of the time.
+//! A case is read once per run. So this crate is compiled without optimisation, which shortens a first build.
 
 mod bodies;
 mod control;
