@@ -9,7 +9,7 @@ use crate::lagged_preconditioner::{LaggedPreconditioner, Linearisation, Update};
 use crate::slab_error::SlabError;
 use crate::state::{Interval, State};
 use fem::{Bottom, Clock, SlabEnd, SlabOperator, Violation};
-use newton_krylov::inner_product;
+use newton_krylov::inner_product::{self, axpy};
 use newton_krylov::problem::Inadmissible;
 use std::ops::Range;
 
@@ -121,11 +121,12 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
         let _timed = tracing::trace_span!(target: "cost", "product").entered();
         let FlowBlock { operator, effect_of_mesh, counts, still, .. } = self;
         still.resize(operator.layout.len(), 0.0);
-        effect_of_mesh.take(&tangent.mesh_velocity, |v, residual| {
+        effect_of_mesh.take(&tangent.mesh_velocity, |v, effect| {
             counts.mesh_products += 1;
-            residual.resize(still.len(), 0.0);
-            operator.product_with_mesh(still, v, residual);
-            operator.loads().to_vec()
+            effect.residual.resize(still.len(), 0.0);
+            operator.product_with_mesh(still, v, &mut effect.residual);
+            effect.loads.clear();
+            effect.loads.extend_from_slice(operator.loads());
         });
     }
 
@@ -136,8 +137,9 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
         tangent.wall_loads.clear();
         tangent.wall_loads.extend_from_slice(self.operator.loads());
         if tangent.mesh_moves {
-            add(self.effect_of_mesh.residual(), out);
-            add(self.effect_of_mesh.loads(), &mut tangent.wall_loads);
+            let effect = self.effect_of_mesh.of_last();
+            axpy(1.0, &effect.residual, out);
+            axpy(1.0, &effect.loads, &mut tangent.wall_loads);
         }
     }
 
@@ -167,10 +169,6 @@ pub(crate) fn totals_at<const D: usize, const M: usize>(
     let of_cells = |m: usize| one.component(m).map(in_cell).collect::<Vec<f64>>();
     let component = |m: usize| inner_product::sum_over_blocks(&of_cells(m), &flow.share.ends, &flow.share.sums);
     (0..M).map(component).collect()
-}
-
-fn add(terms: &[f64], sums: &mut [f64]) {
-    sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
 }
 
 impl<const D: usize, const M: usize> Block for FlowBlock<D, M> {
@@ -224,7 +222,7 @@ impl<const D: usize, const M: usize> Block for FlowBlock<D, M> {
         if tangent.mesh_moves {
             self.take_effect_of_mesh(tangent);
             self.rest.clear();
-            self.rest.extend(r.iter().zip(self.effect_of_mesh.residual()).map(|(r, effect)| r - effect));
+            self.rest.extend(r.iter().zip(&self.effect_of_mesh.of_last().residual).map(|(r, effect)| r - effect));
         }
         let _timed = tracing::trace_span!(target: "cost", "preconditioner").entered();
         self.preconditioner.apply(if tangent.mesh_moves { &self.rest } else { r }, x);

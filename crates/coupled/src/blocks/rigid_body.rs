@@ -165,8 +165,8 @@ impl<const D: usize> RigidBody<D> {
     /// The derivatives of the surface at the time nodes along the coordinates, `[a][k][node][component]`.
     fn columns_of_surface(&self) -> Vec<f64> {
         let q = self.positions(&self.w);
-        let unit = |k: usize| -> Vec<f64> { (0..self.count()).map(|l| f64::from(u8::from(k == l))).collect() };
-        let column = |q: &[f64], k: usize| derivatives(&self.surface.displacement(&self.data, &along(q, &unit(k))));
+        let units = Matrix::identity(self.count());
+        let column = |q: &[f64], k: usize| derivatives(&self.surface.displacement(&self.data, &along(q, units.row(k))));
         q.chunks_exact(self.count()).flat_map(|q| (0..self.count()).flat_map(move |k| column(q, k))).collect()
     }
 }

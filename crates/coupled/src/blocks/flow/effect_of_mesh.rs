@@ -7,24 +7,16 @@
 //! A product along the mesh costs about twice a product along the state. Rigid bodies with n unknowns move the mesh in a space of n
 //! dimensions. Products with its basis then serve all Krylov directions.
 
-use newton_krylov::inner_product::{Euclidean, InnerProduct};
+use newton_krylov::inner_product::{Euclidean, InnerProduct, axpy};
 
 /// A remainder w of this size, relative to v, is rounding.
 const ROUNDING: f64 = 1e-12;
 
 /// B v: rows of the residual, and the loads on walls.
 #[derive(Default)]
-struct Effect {
-    residual: Vec<f64>,
-    loads: Vec<f64>,
-}
-
-impl Effect {
-    /// Adds `factor` times `other`.
-    fn add(&mut self, factor: f64, other: &Effect) {
-        add(factor, &other.residual, &mut self.residual);
-        add(factor, &other.loads, &mut self.loads);
-    }
+pub(super) struct Effect {
+    pub(super) residual: Vec<f64>,
+    pub(super) loads: Vec<f64>,
 }
 
 /// The effect of the velocities last taken, and of a basis of those before.
@@ -52,41 +44,43 @@ impl EffectOfMesh {
         self.velocities == v
     }
 
-    /// The residual of B v.
-    pub(super) fn residual(&self) -> &[f64] {
-        &self.effect.residual
+    /// B v.
+    pub(super) fn of_last(&self) -> &Effect {
+        &self.effect
     }
 
-    /// The loads of B v.
-    pub(super) fn loads(&self) -> &[f64] {
-        &self.effect.loads
-    }
-
-    /// Takes the effect of `v` by (effect of mesh). `product` writes the residual of B x for a given x, and returns the loads.
-    pub(super) fn take(&mut self, v: &[f64], mut product: impl FnMut(&[f64], &mut Vec<f64>) -> Vec<f64>) {
-        let mut of = |x: &[f64]| {
-            let mut residual = Vec::new();
-            let loads = product(x, &mut residual);
-            Effect { residual, loads }
-        };
-        self.velocities = v.to_vec();
-        let (coefficients, rest) = self.split(v);
+    /// Takes the effect of `v` by (effect of mesh), where `product` sets B x for a given x.
+    pub(super) fn take(&mut self, v: &[f64], mut product: impl FnMut(&[f64], &mut Effect)) {
+        self.velocities.clear();
+        self.velocities.extend_from_slice(v);
+        if self.dimension == 0 {
+            return product(v, &mut self.effect);
+        }
+        let (mut coefficients, rest) = self.split(v);
         let size = Euclidean.norm(&rest);
-        let is_new = size > ROUNDING * Euclidean.norm(v);
-        if is_new && self.basis.len() == self.dimension {
-            self.effect = of(v);
-            return;
+        let is_known = size <= ROUNDING * Euclidean.norm(v) && !self.basis.is_empty();
+        if !is_known && (self.basis.len() == self.dimension || size == 0.0) {
+            return product(v, &mut self.effect);
         }
-        self.effect.residual.fill(0.0);
-        self.effect.loads.fill(0.0);
-        for (c, (_, effect)) in coefficients.iter().zip(&self.basis) {
-            self.effect.add(*c, effect);
-        }
-        if is_new {
-            let q: Vec<f64> = rest.iter().map(|rest| rest / size).collect();
-            let effect = of(&q);
-            self.effect.add(size, &effect);
+        if !is_known {
+            let (q, mut effect) = (rest.iter().map(|w| w / size).collect::<Vec<f64>>(), Effect::default());
+            product(&q, &mut effect);
             self.basis.push((q, effect));
+            coefficients.push(size);
+        }
+        self.combine(&coefficients);
+    }
+
+    /// B v := sum_j c_j B q_j
+    fn combine(&mut self, c: &[f64]) {
+        let EffectOfMesh { effect: Effect { residual, loads }, basis, .. } = self;
+        residual.clear();
+        loads.clear();
+        for (c, (_, of_q)) in c.iter().zip(basis) {
+            residual.resize(of_q.residual.len(), 0.0);
+            loads.resize(of_q.loads.len(), 0.0);
+            axpy(*c, &of_q.residual, residual);
+            axpy(*c, &of_q.loads, loads);
         }
     }
 
@@ -96,7 +90,7 @@ impl EffectOfMesh {
         for _ in 0..2 {
             for (sum, (q, _)) in coefficients.iter_mut().zip(&self.basis) {
                 let c = Euclidean.dot(q, &rest);
-                add(-c, q, &mut rest);
+                axpy(-c, q, &mut rest);
                 *sum += c;
             }
         }
@@ -104,41 +98,50 @@ impl EffectOfMesh {
     }
 }
 
-/// sums := sums + factor terms; empty sums are zero.
-fn add(factor: f64, terms: &[f64], sums: &mut Vec<f64>) {
-    sums.resize(terms.len(), 0.0);
-    sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += factor * term);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     /// B x of a small matrix, with loads that are twice the residual.
-    fn product(x: &[f64], residual: &mut Vec<f64>) -> Vec<f64> {
-        *residual = vec![x[0] + 2.0 * x[1], x[2] - x[1], 3.0 * x[2]];
-        residual.iter().map(|r| 2.0 * r).collect()
+    fn product(x: &[f64], effect: &mut Effect) {
+        effect.residual = vec![x[0] + 2.0 * x[1], x[2] - x[1], 3.0 * x[2]];
+        effect.loads = effect.residual.iter().map(|r| 2.0 * r).collect();
+    }
+
+    fn error(a: &[f64], b: &[f64]) -> f64 {
+        assert_eq!(a.len(), b.len());
+        a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+
+    /// A check that the effect of v is right, and of the number of products until then.
+    fn checked(dimension: usize) -> impl FnMut([f64; 3], usize) {
+        let mut of_mesh = EffectOfMesh { dimension, ..EffectOfMesh::default() };
+        let mut products = 0;
+        move |v, count| {
+            of_mesh.take(&v, |x, effect| {
+                products += 1;
+                product(x, effect);
+            });
+            let (mut expected, of_last) = (Effect::default(), of_mesh.of_last());
+            product(&v, &mut expected);
+            let size = v.iter().fold(0.0_f64, |size, v| size.max(v.abs()));
+            assert!(error(&of_last.residual, &expected.residual) <= 1e-14 * size);
+            assert!(error(&of_last.loads, &expected.loads) <= 1e-14 * size);
+            assert!(of_mesh.is_of(&v) && products == count, "{products} products");
+        }
+    }
+
+    /// The first increment of a mesh may be zero; its effect has all rows nevertheless.
+    #[test]
+    fn a_mesh_that_rests_has_an_effect_of_zeros() {
+        checked(0)([0.0; 3], 1);
+        checked(2)([0.0; 3], 1);
     }
 
     /// Velocities in a plane take two products, whatever their number and their size; others take one each.
     #[test]
     fn two_products_serve_a_plane() {
-        let mut of_mesh = EffectOfMesh { dimension: 2, ..EffectOfMesh::default() };
-        let mut products = 0;
-        let mut check = |v: [f64; 3], count: usize| {
-            of_mesh.take(&v, |x, residual| {
-                products += 1;
-                product(x, residual)
-            });
-            let mut expected = Vec::new();
-            let loads = product(&v, &mut expected);
-            let size = v.iter().fold(0.0_f64, |size, v| size.max(v.abs()));
-            let error = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            assert!(
-                error(of_mesh.residual(), &expected) <= 1e-14 * size && error(of_mesh.loads(), &loads) <= 1e-14 * size
-            );
-            assert!(of_mesh.is_of(&v) && products == count, "{products} products");
-        };
+        let mut check = checked(2);
         check([1.0, 2.0, 0.0], 1);
         check([-3e8, -6e8, 0.0], 1);
         check([1.0, 2.0 + 1e-3, 0.0], 2);

@@ -106,8 +106,8 @@ impl<const D: usize> RigidBody<D> {
     pub(super) fn preconditioner(&self) -> Option<Matrix> {
         let (count, n) = (self.count(), self.time().order());
         let len = n * count;
-        let unit = |i: usize| -> Vec<f64> { (0..len).map(|j| f64::from(u8::from(i == j))).collect() };
-        let columns: Vec<Vec<f64>> = (0..len).map(|i| self.dynamics_product(&unit(i))).collect();
+        let units = Matrix::identity(len);
+        let columns: Vec<Vec<f64>> = (0..len).map(|i| self.dynamics_product(units.row(i))).collect();
         let (with_fluid, layer, area) =
             (self.inertia_with_fluid(self.slab.dt), self.layer_load()?, &self.data.added_mass.area);
         let driven: Vec<usize> = self.driven().collect();
