@@ -93,6 +93,9 @@ pub enum ElasticitySolver {
     Cg,
     /// Conjugate gradients with algebraic multigrid, which needs the least memory.
     Multigrid,
+    /// Conjugate gradients with balancing domain decomposition by constraints (BDDC). Every block of `parallel.blocks` is factored alone, so
+    /// processes share the work and the memory.
+    Bddc,
 }
 
 /// Young's modulus over the mesh.

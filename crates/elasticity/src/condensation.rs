@@ -18,6 +18,7 @@ mod sweep;
 
 use crate::ElasticityError;
 use crate::pool::Pool;
+use faer::Mat;
 use fem::NodalBatches;
 use inner::{CellUnknowns, InnerFactor};
 use sparse::{EliminationTree, Factorisation, Kind, eliminations};
@@ -35,12 +36,14 @@ pub(crate) struct Elimination<const D: usize> {
 }
 
 impl<const D: usize> Elimination<D> {
-    /// For cells of the given order and the entries `constrained[C0 node][component]`. `centres` are any points of the cells.
+    /// For cells of the given order and the entries `constrained[C0 node][component]`. `centres` are any points of the cells. The nodes
+    /// `kept`, increasing, have a free component and are not eliminated.
     pub(crate) fn new(
         order: usize,
         batches: &NodalBatches<D>,
         constrained: &[[bool; D]],
         centres: &[[f64; D]],
+        kept: &[usize],
     ) -> Self {
         let unknowns = CellUnknowns::new(D, order);
         let skeleton = |cell: usize| -> Vec<usize> {
@@ -48,7 +51,7 @@ impl<const D: usize> Elimination<D> {
             nodes.filter(|&node| constrained[node] != [true; D]).collect()
         };
         let cells: Vec<_> = (0..batches.cells()).map(skeleton).collect();
-        let tree = Arc::new(EliminationTree::by_dissection(&cells, centres, constrained.len()));
+        let tree = Arc::new(EliminationTree::by_dissection(&cells, centres, constrained.len(), kept));
         Elimination { unknowns, tree, constrained: constrained.to_vec() }
     }
 
@@ -93,14 +96,14 @@ pub(crate) struct Condensation<const D: usize> {
     elimination: Arc<Elimination<D>>,
     inner: InnerFactor,
     factors: Factorisation<f64>,
-    work: Pool<SolveWork>,
+    work: Pool<Eliminated>,
 }
 
-/// Work space of one solve with several right-hand sides.
-struct SolveWork {
+/// A solve with several right-hand sides, half done.
+pub(crate) struct Eliminated {
     sweep: SweepWork,
     /// The result of a sweep, `[right-hand side][C0 node][component]`.
-    swept: Vec<f64>,
+    pub(crate) swept: Vec<f64>,
     /// Work space of the factors of the skeleton.
     fronts: Vec<f64>,
 }
@@ -114,18 +117,43 @@ impl<const D: usize> Condensation<D> {
     /// x = K_ff^{-1} x for right-hand sides one after the other, `[right-hand side][C0 node][component]`, that vanish at constrained
     /// entries. After a first call with as many right-hand sides nothing is allocated.
     pub(crate) fn solve(&self, batches: &NodalBatches<D>, x: &mut [f64]) {
-        let cells = CellSweeps { factor: &self.inner, unknowns: &self.elimination.unknowns, batches };
-        let count = x.len() / (self.elimination.constrained.len() * D);
-        let mut work = self.work.take(|| SolveWork::new(batches));
-        let SolveWork { sweep, swept, fronts } = &mut work;
+        let eliminated = self.eliminate(batches, x);
+        self.substitute(batches, eliminated, x);
+    }
+
+    /// The first half of [`Self::solve`]. At nodes that are kept, `swept` is then x less what the elimination of all others leaves there.
+    pub(crate) fn eliminate(&self, batches: &NodalBatches<D>, x: &[f64]) -> Eliminated {
+        let mut eliminated = self.work.take(|| Eliminated::new(batches));
+        let Eliminated { sweep, swept, fronts } = &mut eliminated;
         swept.resize(x.len(), 0.0);
-        cells.forward(x, swept, sweep);
+        self.sweeps(batches).forward(x, swept, sweep);
         self.on_skeleton(x, swept, |x, swept| *swept += x);
-        self.factors.solve(swept, count, fronts);
+        self.factors.eliminate(swept, self.sides(x), fronts);
+        eliminated
+    }
+
+    /// The second half of [`Self::solve`], with the solution in `swept` at nodes that are kept.
+    pub(crate) fn substitute(&self, batches: &NodalBatches<D>, mut eliminated: Eliminated, x: &mut [f64]) {
+        let Eliminated { sweep, swept, fronts } = &mut eliminated;
+        self.factors.substitute(swept, self.sides(x), fronts);
         self.hold(swept);
-        cells.backward(swept, x, sweep);
+        self.sweeps(batches).backward(swept, x, sweep);
         self.on_skeleton(swept, x, |swept, x| *x = swept);
-        self.work.give(work);
+        self.work.give(eliminated);
+    }
+
+    /// The Schur complement of the nodes that are kept, `[node][component]`; only its lower triangle is set. It can be taken once.
+    pub(crate) fn take_complement(&mut self) -> Mat<f64> {
+        self.factors.take_complement()
+    }
+
+    fn sweeps<'a>(&'a self, batches: &'a NodalBatches<D>) -> CellSweeps<'a, D> {
+        CellSweeps { factor: &self.inner, unknowns: &self.elimination.unknowns, batches }
+    }
+
+    /// The number of right-hand sides.
+    fn sides(&self, x: &[f64]) -> usize {
+        x.len() / (self.elimination.constrained.len() * D)
     }
 
     /// Memory of the factor.
@@ -150,8 +178,8 @@ impl<const D: usize> Condensation<D> {
     }
 }
 
-impl SolveWork {
+impl Eliminated {
     fn new<const D: usize>(batches: &NodalBatches<D>) -> Self {
-        SolveWork { sweep: SweepWork::new(batches), swept: Vec::new(), fronts: Vec::new() }
+        Eliminated { sweep: SweepWork::new(batches), swept: Vec::new(), fronts: Vec::new() }
     }
 }

@@ -9,7 +9,8 @@ use crate::geometry::{StiffnessSampler, nodal_coordinates, node_spacing};
 use crate::low_order::{Inertia, LowOrderInverse};
 use crate::operator::Operator;
 use crate::pool::Pool;
-use crate::solver::{Inverse, Plan, Solver};
+use crate::solver::{Inverse, Plan, Prepared, Solver};
+use crate::substructures::{SolverOnBlocks, Substructures};
 use crate::{ElasticityError, Law, Material, Stiffness};
 use basis::gauss_lobatto;
 use fem::NodalBatches;
@@ -61,7 +62,7 @@ impl<const D: usize> ElasticMesh<D> {
         Self::with_solver(mesh, numbering, material, stiffness, constrained, Solver::Automatic)
     }
 
-    /// The same with the given solver.
+    /// The same with the given solver. On several blocks this and all solutions are collective calls.
     ///
     /// # Errors
     /// A stiffness that is not positive, no or too few constrained entries, or a `constrained` of the wrong length. If the solver
@@ -72,21 +73,24 @@ impl<const D: usize> ElasticMesh<D> {
         material: Material,
         stiffness: Stiffness<'_, D>,
         constrained: &[[bool; D]],
-        solver: Solver,
+        solver: impl Into<SolverOnBlocks>,
     ) -> Result<Self, ElasticityError> {
         check_constraints(numbering, constrained)?;
         let (order, law, lame) = (numbering.order(), material.law(), material.lame());
         let at_points = StiffnessSampler::new(mesh, stiffness, law.rule(D, order));
-        let operator = Operator::new(law, lame, order, NodalBatches::new(mesh, numbering), &at_points)?;
+        let operator = Operator::new(law, lame, order, NodalBatches::new(numbering), &at_points)?;
         let mut position = Position::new(law, &operator, stiffness, numbering.count * D);
         let coordinates = nodal_coordinates(mesh, numbering);
-        let inverse = match Plan::with_elimination(mesh, numbering, operator.batches(), constrained, solver) {
-            (_, Some(elimination)) => {
-                let factor =
-                    elimination.factor(operator.batches(), |batch| operator.cell_matrices(position.bottom(), batch))?;
-                Inverse::Direct(Box::new(factor))
+        let (batches, solver) = (operator.batches(), solver.into());
+        let (plan, prepared) = Plan::prepare(mesh, numbering, batches, constrained, &solver);
+        let matrices = |batch| operator.cell_matrices(position.bottom(), batch);
+        let inverse = match prepared {
+            Prepared::Elimination(elimination) => Inverse::Direct(Box::new(elimination.factor(batches, matrices)?)),
+            Prepared::Cuts(cuts) => {
+                let is_direct = plan.solver == Solver::Direct;
+                Inverse::Substructures(Box::new(Substructures::new(cuts, is_direct, matrices)?))
             }
-            (plan, None) => {
+            Prepared::Nothing => {
                 let at_nodes = StiffnessSampler::new(mesh, stiffness, gauss_lobatto(order));
                 let multigrid = (plan.solver == Solver::Multigrid).then_some(&coordinates[..]);
                 let samples = |cell| at_nodes.cell(cell);
@@ -112,8 +116,8 @@ impl<const D: usize> ElasticMesh<D> {
             solves: Pool::new(),
             vectors: Pool::new(),
         };
-        if let Inverse::Direct(condensation) = &mesh.inverse {
-            mesh.pass_error = mesh.measure_pass_error(condensation);
+        if mesh.inverse.is_exact() {
+            mesh.pass_error = mesh.measure_pass_error();
         }
         Ok(mesh)
     }
@@ -138,12 +142,9 @@ impl<const D: usize> ElasticMesh<D> {
     pub fn metric_length(&self) -> usize {
         self.operator.metric().len() * WIDTH
     }
-    /// Memory of the factor or the hierarchy that the solver has prepared.
+    /// Memory of the factors or the hierarchy that the solver has prepared on this rank.
     pub fn solver_bytes(&self) -> usize {
-        match &self.inverse {
-            Inverse::Direct(condensation) => condensation.bytes(),
-            Inverse::LowOrder(low_order) => low_order.bytes(),
-        }
+        self.inverse.bytes()
     }
     /// The law.
     pub fn law(&self) -> Law {

@@ -15,6 +15,7 @@
 //! | `low_order` | its preconditioner: low-order elements on the Gauss-Lobatto nodes |
 //! | `multigrid` | its approximate inverse where a factor is too large |
 //! | `condensation` | a direct solver: nodes eliminated inside cells, then along a tree of parts of the mesh |
+//! | `substructures` | the same on blocks of the mesh, which ranks share; BDDC |
 //! | `solver` | the choice among them |
 //! | `elastic_mesh` | equilibrium and extension from the boundary |
 //! | `slab` | motion and mesh equations in a time slab |
@@ -81,6 +82,7 @@ mod statics;
 mod stiffness;
 mod structure;
 mod structure_slab;
+mod substructures;
 #[cfg(test)]
 mod testing;
 mod wall_distance;
@@ -103,4 +105,5 @@ pub use statics::Statics;
 pub use stiffness::Stiffness;
 pub use structure::{Damping, Structure};
 pub use structure_slab::{SlabBottom, SlabWork, StructureSlab};
+pub use substructures::{Partition, SolverOnBlocks};
 pub use wall_distance::WallDistance;

@@ -1,7 +1,9 @@
 //! The choice of the solver of K, and its cost.
 
 use crate::condensation::{Condensation, Elimination};
+use crate::geometry::nodal_coordinates;
 use crate::low_order::LowOrderInverse;
+use crate::substructures::{Cuts, SolverOnBlocks, Substructures};
 use fem::NodalBatches;
 use mesh::{CellMap, Mesh, NodeNumbering};
 use std::sync::Arc;
@@ -18,13 +20,16 @@ pub enum Solver {
     ConjugateGradients,
     /// Conjugate gradients, preconditioned by algebraic multigrid on the low-order refinement.
     Multigrid,
+    /// Conjugate gradients, preconditioned by balancing domain decomposition by constraints: every block of the mesh is factored alone.
+    Bddc,
 }
 
 /// The solver of a mesh, known before anything is computed.
 ///
 /// The automatic choice is **direct up to 10^11 multiplications and 2^30 bytes, multigrid beyond**. The factorisation is done once in
 /// a run; after that a solve costs two passes through the factor. In two dimensions the limit allows millions of unknowns, in three
-/// about 10^5.
+/// about 10^5. On several blocks of a mesh in two dimensions the direct solver factors them one by one, so that ranks share the work. In three
+/// dimensions only BDDC is shared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plan {
     /// The solver, never automatic.
@@ -46,33 +51,53 @@ impl Plan {
         mesh: &Mesh<D>,
         numbering: &NodeNumbering,
         constrained: &[[bool; D]],
-        solver: Solver,
+        solver: impl Into<SolverOnBlocks>,
     ) -> Self {
-        Self::with_elimination(mesh, numbering, &NodalBatches::new(mesh, numbering), constrained, solver).0
+        Self::prepare(mesh, numbering, &NodalBatches::new(numbering), constrained, &solver.into()).0
     }
 
-    /// The same with the order of elimination, if the solver is direct.
-    pub(crate) fn with_elimination<const D: usize>(
+    /// The same with what the solver needs of the mesh.
+    pub(crate) fn prepare<const D: usize>(
         mesh: &Mesh<D>,
         numbering: &NodeNumbering,
         batches: &NodalBatches<D>,
         constrained: &[[bool; D]],
-        solver: Solver,
-    ) -> (Self, Option<Arc<Elimination<D>>>) {
+        solver: &SolverOnBlocks,
+    ) -> (Self, Prepared<D>) {
+        let SolverOnBlocks { solver, partition } = solver;
         let unknowns = constrained.as_flattened().iter().filter(|constrained| !**constrained).count();
-        let iterative = |solver| (Plan { solver, bytes: low_order_bytes(D, unknowns, solver) }, None);
-        if matches!(solver, Solver::ConjugateGradients | Solver::Multigrid) {
-            return iterative(solver);
+        let iterative = |solver| (Plan { solver, bytes: low_order_bytes(D, unknowns, solver) }, Prepared::Nothing);
+        let centres = centres(mesh);
+        let cuts = || Cuts::new(partition, numbering, constrained, &centres, &nodal_coordinates(mesh, numbering));
+        match solver {
+            Solver::ConjugateGradients | Solver::Multigrid => return iterative(*solver),
+            Solver::Bddc => {
+                let cuts = cuts();
+                return (Plan { solver: Solver::Bddc, bytes: cuts.bytes() }, Prepared::Cuts(Arc::new(cuts)));
+            }
+            Solver::Automatic | Solver::Direct => {}
         }
-        let elimination = Elimination::new(numbering.order(), batches, constrained, &centres(mesh));
+        let elimination = Elimination::new(numbering.order(), batches, constrained, &centres, &[]);
         let bytes = elimination.bytes(batches);
         let is_small = elimination.operations(batches) <= MAX_OPERATIONS && bytes <= MAX_BYTES;
-        if solver == Solver::Direct || is_small {
-            (Plan { solver: Solver::Direct, bytes }, Some(Arc::new(elimination)))
+        if *solver != Solver::Direct && !is_small {
+            return iterative(Solver::Multigrid);
+        }
+        let plan = Plan { solver: Solver::Direct, bytes };
+        // In space the cuts between blocks are longer than those of a dissection, and cost four times its memory.
+        if partition.is_cut() && D == 2 {
+            (plan, Prepared::Cuts(Arc::new(cuts())))
         } else {
-            iterative(Solver::Multigrid)
+            (plan, Prepared::Elimination(Arc::new(elimination)))
         }
     }
+}
+
+/// What a solver takes from the mesh alone, without a matrix.
+pub(crate) enum Prepared<const D: usize> {
+    Nothing,
+    Elimination(Arc<Elimination<D>>),
+    Cuts(Arc<Cuts<D>>),
 }
 
 /// The measured memory of the preconditioners. It is proportional to the unknowns, except for a factor in three dimensions, which
@@ -97,7 +122,42 @@ fn centres<const D: usize>(mesh: &Mesh<D>) -> Vec<[f64; D]> {
 /// The prepared K_ff^{-1}, exact or approximate.
 pub(crate) enum Inverse<const D: usize> {
     Direct(Box<Condensation<D>>),
+    Substructures(Box<Substructures<D>>),
     LowOrder(Box<LowOrderInverse<D>>),
+}
+
+impl<const D: usize> Inverse<D> {
+    /// Whether it is exact up to round-off.
+    pub(crate) fn is_exact(&self) -> bool {
+        match self {
+            Inverse::Direct(_) => true,
+            Inverse::Substructures(substructures) => substructures.is_direct(),
+            Inverse::LowOrder(_) => false,
+        }
+    }
+
+    /// x = P^{-1} x for right-hand sides one after the other, `[right-hand side][C0 node][component]`, that vanish at constrained entries.
+    pub(crate) fn solve(&self, batches: &NodalBatches<D>, x: &mut [f64]) {
+        match self {
+            Inverse::Direct(condensation) => condensation.solve(batches, x),
+            Inverse::Substructures(substructures) => substructures.solve(x),
+            Inverse::LowOrder(low_order) => {
+                for x in x.chunks_exact_mut(batches.nodal_length()) {
+                    let r = x.to_vec();
+                    low_order.apply(&r, x);
+                }
+            }
+        }
+    }
+
+    /// Memory of the factors or the hierarchy on this rank.
+    pub(crate) fn bytes(&self) -> usize {
+        match self {
+            Inverse::Direct(condensation) => condensation.bytes(),
+            Inverse::Substructures(substructures) => substructures.bytes(),
+            Inverse::LowOrder(low_order) => low_order.bytes(),
+        }
+    }
 }
 
 #[cfg(test)]

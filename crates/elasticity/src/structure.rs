@@ -64,13 +64,13 @@ impl<const D: usize> Structure<D> {
             let (constant, accepted) = ("the density", "a positive number");
             return Err(ElasticityError::Material { constant, value: density, accepted });
         }
-        let (order, batches) = (numbering.order(), NodalBatches::new(&mesh, &numbering));
+        let (order, batches) = (numbering.order(), NodalBatches::new(&numbering));
         let mass = Mass::new(&mesh, &batches, order, density);
         let solid = solid.into();
         let (law, base) = (solid.law()?, solid.base()?);
         let at_points = StiffnessSampler::of_solid(&mesh, &solid, base, law.rule(D, order));
         let excess = if solid.ratio_varies() {
-            let (unit, batches) = (Lame { mu: 0.0, lambda: 1.0 }, NodalBatches::new(&mesh, &numbering));
+            let (unit, batches) = (Lame { mu: 0.0, lambda: 1.0 }, NodalBatches::new(&numbering));
             Some(Operator::weighted(law, unit, order, batches, &at_points, |sample| sample.excess)?)
         } else {
             None

@@ -1,7 +1,7 @@
 //! C0 fields in packs: which node lies in which lane, and how the results of cells become one vector.
 
 use crate::batches::cells_of;
-use mesh::{Mesh, NodeNumbering};
+use mesh::NodeNumbering;
 use rayon::prelude::*;
 use tensor::{Pack, WIDTH};
 
@@ -26,9 +26,9 @@ pub struct NodalBatches<const D: usize> {
 }
 
 impl<const D: usize> NodalBatches<D> {
-    /// The cells of `mesh` with the nodes of `numbering`.
-    pub fn new(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Self {
-        let (cells, nodes_per_cell) = (mesh.n_cells(), numbering.order().pow(D as u32));
+    /// The cells of `numbering`.
+    pub fn new(numbering: &NodeNumbering) -> Self {
+        let (cells, nodes_per_cell) = (numbering.n_cells(), numbering.order().pow(D as u32));
         let mut batches =
             NodalBatches { cells, nodes_per_cell, nodes: Vec::new(), starts: Vec::new(), places: Vec::new() };
         let lanes = (0..batches.count())

@@ -30,6 +30,16 @@ impl NodeNumbering {
         NodeNumbering { cells, ..*self }
     }
 
+    /// The numbering of the given cells alone, and the node here of each of its nodes, increasing.
+    pub fn of_cells(&self, cells: &[usize]) -> (Self, Vec<usize>) {
+        let mut nodes: Vec<usize> = cells.iter().flat_map(|&cell| self.cell(cell)).copied().collect();
+        let mut numbers = nodes.clone();
+        nodes.sort_unstable();
+        nodes.dedup();
+        numbers.iter_mut().for_each(|node| *node = nodes.partition_point(|other| other < node));
+        (NodeNumbering { count: nodes.len(), cells: numbers, ..*self }, nodes)
+    }
+
     /// N, the number of nodes per direction in a cell.
     pub fn order(&self) -> usize {
         self.order
@@ -205,6 +215,20 @@ mod tests {
     fn wavy_box<const D: usize>(cells: [usize; D], periodic: [bool; D]) -> Mesh<D> {
         let curving = Curving::Wavy { amplitude: 0.03 };
         BoxMesh { lower: [0.0; D], upper: [1.0; D], cells, order: 3, curving, periodic }.build().unwrap()
+    }
+
+    #[test]
+    fn some_cells_have_a_numbering_of_their_own() {
+        let mesh = wavy_box([4, 3], [true, false]);
+        let whole = NodeNumbering::new(&mesh, 4);
+        let cells = [7, 2, 3];
+        let (own, nodes) = whole.of_cells(&cells);
+        assert_eq!((own.count, own.n_cells(), own.order()), (nodes.len(), 3, 4));
+        assert!(nodes.windows(2).all(|pair| pair[0] < pair[1]));
+        for (place, &cell) in cells.iter().enumerate() {
+            let found: Vec<usize> = own.cell(place).iter().map(|&node| nodes[node]).collect();
+            assert_eq!(found, whole.cell(cell));
+        }
     }
 
     /// Nodes of order n with the same number have the same position, up to periods of 1 along the periodic axes. Nodes

@@ -11,12 +11,13 @@ use coupled::{
     Method, StartLayer, StructureMarch, Supports, System,
 };
 use elasticity::{
-    Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, MaterialProperty, Pressure, Solid, Statics,
-    Structure as Body, Traction, WallDistance,
+    Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, MaterialProperty, Partition, Pressure, Solid,
+    Solver, SolverOnBlocks, Statics, Structure as Body, Traction, WallDistance,
 };
 use fem::{Orders, Problem, Share, SlabOperator, StateField, VectorField};
 use mesh::{BoundaryDistance, Mesh, NodeNumbering};
 use navier_stokes::{Boundary, Compiled, Exact, ExactState, Manufactured, NavierStokes, Riemann};
+use ranks::{Alone, Sums};
 use std::sync::Arc;
 
 /// Tolerance of a solve with K: displacements are then accurate to round-off.
@@ -25,11 +26,31 @@ const ELASTIC_TOLERANCE: f64 = 1e-13;
 /// The same if K only preconditions, for a nonlinear law.
 const PRECONDITIONER_TOLERANCE: f64 = 1e-3;
 
-/// The mover of the mesh of a case.
+/// The mover of the mesh of a case on one rank.
 ///
 /// # Errors
 /// As [`ElasticMesh::new`].
 pub fn mover<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityError> {
+    mover_of(case, all_blocks(case))
+}
+
+/// All blocks of a case on one rank.
+fn all_blocks<const D: usize>(case: &Case<D>) -> Arc<Sums> {
+    Arc::new(Sums::new(Arc::new(Alone), case.blocks))
+}
+
+/// The solver of the mesh on the blocks of a case.
+fn on_blocks<const D: usize>(case: &Case<D>, solver: Solver, sums: Arc<Sums>) -> SolverOnBlocks {
+    // The case is checked: there are not more blocks than cells.
+    let block_of_cell = mesh::blocks(&case.mesh, case.blocks).unwrap_or_default();
+    SolverOnBlocks { solver, partition: Partition { block_of_cell, sums } }
+}
+
+/// The mover of the mesh of a case, whose solver shares the blocks of `sums` with other ranks. A collective call.
+///
+/// # Errors
+/// As [`ElasticMesh::new`].
+pub fn mover_of<const D: usize>(case: &Case<D>, sums: Arc<Sums>) -> Result<MeshMover<D>, ElasticityError> {
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
     let motion = match &case.motion {
         None => MeshMotion::Still,
@@ -45,7 +66,8 @@ pub fn mover<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityE
                 _ => elasticity::Stiffness::Function(&modulus),
             };
             let material = Material::new(1.0, *poisson_ratio)?.with_law(*law);
-            let mesh = ElasticMesh::with_solver(&case.mesh, &numbering, material, stiffness, &constrained, *solver)?;
+            let solver = on_blocks(case, *solver, sums);
+            let mesh = ElasticMesh::with_solver(&case.mesh, &numbering, material, stiffness, &constrained, solver)?;
             let solve = if law.is_linear() { ELASTIC_TOLERANCE } else { PRECONDITIONER_TOLERANCE };
             let accuracy = Accuracy { solve, position: *tolerance };
             MeshMotion::Elastic { mesh: Box::new(mesh), boundary, accuracy }
@@ -59,7 +81,8 @@ pub fn elasticity_plan<const D: usize>(case: &Case<D>) -> Option<elasticity::Pla
     let Some(Motion::Elastic { solver, slides, .. }) = &case.motion else { return None };
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
     let constrained = constrained(&case.mesh, &numbering, slides);
-    Some(elasticity::Plan::new(&case.mesh, &numbering, &constrained, *solver))
+    let solver = on_blocks(case, *solver, all_blocks(case));
+    Some(elasticity::Plan::new(&case.mesh, &numbering, &constrained, solver))
 }
 
 /// A C0 node with a prescribed motion, its position at rest, and its motion.

@@ -213,7 +213,8 @@ where
     Manufactured<State<D>, D>: StateField<D, M>,
 {
     let sums = Arc::new(Sums::new(communicator.clone(), case.blocks));
-    Ok(build::march_of(case, flow, build::mover(case)?, Share::new(&case.mesh, &blocks(case)?, sums))?)
+    let mover = build::mover_of(case, sums.clone())?;
+    Ok(build::march_of(case, flow, mover, Share::new(&case.mesh, &blocks(case)?, sums))?)
 }
 
 /// Takes the own part of a stored state.

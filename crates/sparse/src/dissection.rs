@@ -6,15 +6,18 @@
 
 use crate::elimination_tree::Front;
 
-/// The node at each position, and the fronts: one for each part, after the fronts of its halves. See
-/// [`crate::EliminationTree::by_dissection`].
+/// The node at each position, and the fronts: one for each part, after the fronts of its halves. The nodes `kept`, increasing, have the last
+/// positions, and no front eliminates them. See [`crate::EliminationTree::by_dissection`].
 pub(crate) fn fronts<const D: usize>(
     cells: &[Vec<usize>],
     centres: &[[f64; D]],
     count: usize,
+    kept: &[usize],
 ) -> (Vec<usize>, Vec<Front>) {
     let mut multiplicity = vec![0; count];
     cells.iter().flatten().for_each(|&node| multiplicity[node] += 1);
+    // More places than any part has.
+    kept.iter().for_each(|&node| multiplicity[node] = usize::MAX);
     let by_axis = (0..D).map(|axis| centres.iter().map(|centre| centre[axis]).collect());
     let by_number = (0..cells.len()).map(|cell| cell as f64).collect();
     let keys = by_axis.chain([by_number]).collect();
@@ -23,7 +26,8 @@ pub(crate) fn fronts<const D: usize>(
     if !cells.is_empty() {
         cutter.dissect(&mut (0..cells.len()).collect::<Vec<_>>());
     }
-    let Cutter { order, mut fronts, .. } = cutter;
+    let Cutter { mut order, mut fronts, .. } = cutter;
+    order.extend(kept);
     to_positions(&mut fronts, &order, count);
     (order, fronts)
 }

@@ -62,9 +62,15 @@ impl EliminationTree {
     }
 
     /// Nested dissection of a mesh whose cells hold the nodes `cells[cell]`. A list may name a node twice. `centres` are the centres of the
-    /// cells. Nodes are below `count`; nodes without a cell are not in the matrix. Every leaf is the front of one cell.
-    pub fn by_dissection<const D: usize>(cells: &[Vec<usize>], centres: &[[f64; D]], count: usize) -> Self {
-        let (nodes, fronts) = dissection::fronts(cells, centres, count);
+    /// cells. Nodes are below `count`; nodes without a cell are not in the matrix. Every leaf is the front of one cell. The nodes `kept`,
+    /// increasing, are not eliminated: they have the last positions, and the last front leaves their Schur complement.
+    pub fn by_dissection<const D: usize>(
+        cells: &[Vec<usize>],
+        centres: &[[f64; D]],
+        count: usize,
+        kept: &[usize],
+    ) -> Self {
+        let (nodes, fronts) = dissection::fronts(cells, centres, count, kept);
         Self::new(nodes, count, fronts)
     }
 
@@ -108,6 +114,9 @@ pub(crate) fn connect_to_parents(fronts: &mut [Front]) {
 pub(crate) mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::{Factorisation, Kind};
+    use faer::Mat;
+    use std::sync::Arc;
 
     /// The nodes of a square, coupled with their neighbours.
     pub(crate) fn square(n: usize) -> Vec<Vec<usize>> {
@@ -120,7 +129,7 @@ pub(crate) mod tests {
         let corners = |x: usize, y: usize| [0, 1, n + 1, n + 2].map(|offset| y * (n + 1) + x + offset).to_vec();
         let cells: Vec<_> = (0..n * n).map(|cell| corners(cell % n, cell / n)).collect();
         let centres: Vec<_> = (0..n * n).map(|cell| [(cell % n) as f64, (cell / n) as f64]).collect();
-        EliminationTree::by_dissection(&cells, &centres, (n + 1).pow(2))
+        EliminationTree::by_dissection(&cells, &centres, (n + 1).pow(2), &[])
     }
 
     #[test]
@@ -142,6 +151,40 @@ pub(crate) mod tests {
             assert_eq!(next, 81);
             assert_eq!(tree.fronts.iter().map(|front| front.children.len()).sum::<usize>(), tree.fronts.len() - 1);
         }
+    }
+
+    /// What the elimination of all other nodes of a square leaves at its first column is the inverse of that block of the inverse.
+    #[test]
+    fn kept_nodes_leave_their_schur_complement() {
+        let (n, count) = (4, 25);
+        let corners = |x: usize, y: usize| [0, 1, n + 1, n + 2].map(|offset| y * (n + 1) + x + offset).to_vec();
+        let cells: Vec<_> = (0..n * n).map(|cell| corners(cell % n, cell / n)).collect();
+        let centres: Vec<_> = (0..n * n).map(|cell| [(cell % n) as f64, (cell / n) as f64]).collect();
+        let kept: Vec<usize> = (0..=n).map(|y| y * (n + 1)).collect();
+        let of_cell = |cell: usize| Mat::from_fn(4, 4, |i, j| if i == j { 3.0 + cell as f64 } else { -0.5 });
+        let factor = |kept: &[usize]| {
+            let tree = Arc::new(EliminationTree::by_dissection(&cells, &centres, count, kept));
+            let places = tree.clone();
+            Factorisation::new(tree, 1, Kind::Cholesky, |front| {
+                if let Some(cell) = front.front.cell {
+                    front.add(cells[cell].iter().map(|&node| places.positions[node]), &of_cell(cell));
+                }
+            })
+        };
+        let (whole, mut part) = (factor(&[]).unwrap(), factor(&kept).unwrap());
+        let complement = part.take_complement();
+        let mut x: Vec<f64> = (0..count).map(|k| (k * k % 7) as f64).collect();
+        let (mut y, mut work) = (x.clone(), Vec::new());
+        whole.solve(&mut x, 1, &mut work);
+        part.eliminate(&mut y, 1, &mut work);
+        for (i, &node) in kept.iter().enumerate() {
+            let entry = |j: usize| complement[(i.max(j), i.min(j))];
+            let product: f64 = (0..kept.len()).map(|j| entry(j) * x[kept[j]]).sum();
+            assert!((product - y[node]).abs() < 1e-13, "{product} {}", y[node]);
+        }
+        kept.iter().for_each(|&node| y[node] = x[node]);
+        part.substitute(&mut y, 1, &mut work);
+        assert!(x.iter().zip(&y).all(|(x, y)| (x - y).abs() < 1e-13));
     }
 
     /// The last front of a square of 2^k cells per direction eliminates one line of nodes.

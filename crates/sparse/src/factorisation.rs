@@ -52,6 +52,8 @@ pub struct Factorisation<T> {
     factors: Vec<Factors<T>>,
     /// Nodes of the largest front.
     largest: usize,
+    /// What the last front leaves.
+    complement: Mat<T>,
 }
 
 impl<T: Scalar> Factorisation<T> {
@@ -93,7 +95,8 @@ impl<T: Scalar> Factorisation<T> {
         });
         let factors = factors.into_iter().filter_map(OnceLock::into_inner).collect::<Result<Vec<_>, _>>()?;
         let largest = fronts.iter().map(Front::len).max().unwrap_or(0);
-        Ok(Factorisation { tree, block, factors, largest })
+        let complement = fronts.len().checked_sub(1).map_or_else(Mat::new, |last| exchange(last, Mat::new()));
+        Ok(Factorisation { tree, block, factors, largest, complement })
     }
 
     /// The order of elimination, for another matrix of the same pattern.
@@ -106,16 +109,39 @@ impl<T: Scalar> Factorisation<T> {
         self.factors.iter().map(Factors::bytes).sum()
     }
 
+    /// Takes the Schur complement S of the nodes that are kept, see [`EliminationTree::by_dissection`]. Of a Cholesky factorisation only
+    /// its lower triangle is set.
+    pub fn take_complement(&mut self) -> Mat<T> {
+        std::mem::replace(&mut self.complement, Mat::new())
+    }
+
     /// x := A^{-1} x for `count` right-hand sides, `[right-hand side][node][row of the block]`. Entries of nodes without a position
     /// are neither read nor written. After a first call with the same `count` and `work` nothing is allocated.
     pub fn solve(&self, x: &mut [T], count: usize, work: &mut Vec<T>) {
+        self.eliminate(x, count, work);
+        self.substitute(x, count, work);
+    }
+
+    /// The first half of [`Self::solve`]. For nodes that are kept it subtracts from x what the elimination of all others leaves there: the
+    /// right-hand side of S.
+    pub fn eliminate(&self, x: &mut [T], count: usize, work: &mut Vec<T>) {
+        let (mut x, (work, scratch)) = (RightHandSides { entries: x, count }, self.work_space(count, work));
+        let fronts = self.tree.fronts.iter().zip(&self.factors);
+        fronts.for_each(|(front, factors)| self.forward(front, factors, &mut x, work, scratch));
+    }
+
+    /// The second half of [`Self::solve`]. It reads the solution at nodes that are kept.
+    pub fn substitute(&self, x: &mut [T], count: usize, work: &mut Vec<T>) {
+        let (mut x, (work, _)) = (RightHandSides { entries: x, count }, self.work_space(count, work));
+        let fronts = self.tree.fronts.iter().zip(&self.factors);
+        fronts.rev().for_each(|(front, factors)| self.backward(front, factors, &mut x, work));
+    }
+
+    /// Space for the rows of the largest front, twice.
+    fn work_space<'a>(&self, count: usize, work: &'a mut Vec<T>) -> (&'a mut [T], &'a mut [T]) {
         let local = self.largest * self.block * count;
         work.resize(2 * local, T::zero_impl());
-        let (work, scratch) = work.split_at_mut(local);
-        let mut x = RightHandSides { entries: x, count };
-        let fronts = || self.tree.fronts.iter().zip(&self.factors);
-        fronts().for_each(|(front, factors)| self.forward(front, factors, &mut x, work, scratch));
-        fronts().rev().for_each(|(front, factors)| self.backward(front, factors, &mut x, work));
+        work.split_at_mut(local)
     }
 
     fn forward(

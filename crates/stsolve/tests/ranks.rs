@@ -133,6 +133,18 @@ fn an_airfoil_has_the_same_bits_on_any_number_of_ranks() {
     assert_ranks_leave_no_trace("naca0012_heave", &["flow.order=3", "time.end=0.2", "parallel.blocks=4"]);
 }
 
+/// The mesh by BDDC, in two and three dimensions, with a law that is factored anew in every slab.
+#[test]
+fn a_mesh_that_ranks_share_has_the_same_bits_on_any_number_of_them() {
+    let bddc = "motion.elasticity.solver=bddc";
+    let updated = "motion.elasticity.reference=updated";
+    let plane = ["flow.order=3", "time.end=0.2", "parallel.blocks=4", bddc, updated];
+    let runs = assert_same_bits_on(&[(3, 2), (4, 1)], "naca0012_heave", &plane);
+    assert!(number(&summary(&runs.path().join("1")), "krylov.elasticity_total") > 0.0);
+    let wing = ["mesh.generate.ellipsoid.cells=[4,2,4,4]", "flow.order=2", "time.end=0.1", "parallel.blocks=8", bddc];
+    assert_same_bits_on(&[(3, 2), (8, 1)], "flapping_wing_3d", &wing);
+}
+
 #[test]
 fn bodies_and_structures_have_the_same_bits_on_any_number_of_ranks() {
     assert_ranks_leave_no_trace("piston_free", &["time.slabs=10", "flow.order=4", "parallel.blocks=4"]);

@@ -397,6 +397,7 @@ fn check_presence<const D: usize>(
     let has_flow = raw.flow.is_some();
     let Some(mesh) = independent.mesh.as_ref().filter(|_| has_flow || errors.is_empty()) else { return };
     errors.note(parallel::check(checker, &raw.parallel, has_flow.then(|| mesh.n_cells())));
+    errors.note(parallel::check_solver_of_mesh(checker, raw));
     errors.note(check_sections_of(checker, raw));
 }
 

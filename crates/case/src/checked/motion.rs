@@ -312,6 +312,7 @@ fn solver(raw: raw::ElasticitySolver) -> Solver {
         raw::ElasticitySolver::Direct => Solver::Direct,
         raw::ElasticitySolver::Cg => Solver::ConjugateGradients,
         raw::ElasticitySolver::Multigrid => Solver::Multigrid,
+        raw::ElasticitySolver::Bddc => Solver::Bddc,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
-use crate::raw::{Parallel, Stages};
+use crate::raw::{self, ElasticitySolver, Parallel, Stages};
 
 /// Blocks with fewer cells than this lose many iterations if they are eliminated at the same time (docs/src/clusters.md).
 const CELLS_OF_SMALL_BLOCK: usize = 20;
@@ -40,4 +40,16 @@ pub(super) fn check(checker: &Checker<'_>, raw: &Parallel, cells: Option<usize>)
     };
     let accepted = format!("1 to {cells}, the number of cells");
     checker.require(&key, "the number of blocks", raw.blocks <= cells, &accepted)
+}
+
+/// A solver that works on blocks needs several.
+pub(super) fn check_solver_of_mesh(checker: &Checker<'_>, raw: &raw::Case) -> Checked<()> {
+    let elasticity = raw.motion.as_ref().and_then(|motion| motion.elasticity.as_ref());
+    let on_blocks = elasticity.is_some_and(|elasticity| elasticity.solver == ElasticitySolver::Bddc);
+    if !on_blocks || raw.parallel.blocks != 1 {
+        return Ok(());
+    }
+    let key = Key::new("motion").child("elasticity").child("solver");
+    let problem = "\"bddc\" works on several blocks of the mesh, and there is one";
+    Err(checker.combination(&key, problem, "parallel.blocks = 2 or more, or another solver"))
 }

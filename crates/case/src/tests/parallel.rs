@@ -19,3 +19,14 @@ fn other_stages_are_refused() {
         assert!(error.contains("parallel.stages") && error.contains("a whole number"), "{value}: {error}");
     }
 }
+
+/// BDDC on one block is the factor of that block.
+#[test]
+fn a_solver_on_blocks_needs_blocks() {
+    let wing = |set: &[&str]| check_text(AIRFOIL, &[&["motion.elasticity.solver=bddc"], set].concat());
+    let error = wing(&[]).unwrap_err().to_string();
+    assert!(error.contains("motion.elasticity.solver") && error.contains("parallel.blocks = 2 or more"), "{error}");
+    assert!(wing(&["parallel.blocks=4"]).is_ok());
+}
+
+const AIRFOIL: &str = include_str!("../../../../cases/naca0012_heave.toml");

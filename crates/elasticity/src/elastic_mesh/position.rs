@@ -86,10 +86,13 @@ impl<const D: usize> ElasticMesh<D> {
             self.operator.set_metric(metric);
         }
         self.position.bottom.copy_from_slice(bottom);
+        let matrices = |batch| self.operator.cell_matrices(bottom, batch);
         self.inverse = match &self.inverse {
             Inverse::Direct(condensation) => {
-                let matrices = |batch| self.operator.cell_matrices(bottom, batch);
                 Inverse::Direct(Box::new(condensation.elimination().factor(self.operator.batches(), matrices)?))
+            }
+            Inverse::Substructures(substructures) => {
+                Inverse::Substructures(Box::new(substructures.with_matrices(matrices)?))
             }
             Inverse::LowOrder(low_order) => {
                 let multigrid = low_order.is_multigrid().then_some(&self.coordinates[..]);

@@ -2,7 +2,6 @@
 
 use super::ElasticMesh;
 use crate::ElasticityError;
-use crate::condensation::Condensation;
 use crate::solver::Inverse;
 use newton_krylov::cg;
 use newton_krylov::inner_product::{Euclidean, InnerProduct, axpy, largest};
@@ -70,14 +69,12 @@ impl<const D: usize> ElasticMesh<D> {
 
     /// z_f = P^{-1} r_f, z_c = 0, with the prepared inverse, which is exact for a direct solver.
     pub fn precondition(&self, r: &[f64], z: &mut [f64]) {
-        match &self.inverse {
-            Inverse::Direct(condensation) => {
-                z.copy_from_slice(r);
-                self.at_constrained(z, |_| 0.0);
-                condensation.solve(self.operator.batches(), z);
-            }
-            Inverse::LowOrder(low_order) => low_order.apply(r, z),
+        if let Inverse::LowOrder(low_order) = &self.inverse {
+            return low_order.apply(r, z);
         }
+        z.copy_from_slice(r);
+        self.at_constrained(z, |_| 0.0);
+        self.inverse.solve(self.operator.batches(), z);
     }
 
     fn solve_one(&self, f: Option<&[f64]>, d: &mut [f64], tolerance: f64) -> Result<cg::Report, ElasticityError> {
@@ -90,15 +87,16 @@ impl<const D: usize> ElasticMesh<D> {
         d: &mut [f64],
         tolerance: f64,
     ) -> Result<Vec<cg::Report>, ElasticityError> {
-        match &self.inverse {
-            Inverse::Direct(condensation) => self.solve_directly(condensation, f, d, tolerance),
-            Inverse::LowOrder(_) => {
-                let sides = d.par_chunks_exact_mut(self.length()).enumerate();
-                let solve = |(side, d)| self.solve_iteratively(f.map(|f| self.side(f, side)), d, tolerance);
-                let reports: Vec<_> = sides.map(solve).collect();
-                reports.into_iter().collect()
-            }
+        if self.inverse.is_exact() {
+            return self.solve_directly(f, d, tolerance);
         }
+        let solve = |(side, d)| self.solve_iteratively(f.map(|f| self.side(f, side)), d, tolerance);
+        let reports: Vec<_> = match &self.inverse {
+            // Messages go one after the other.
+            Inverse::Substructures(_) => d.chunks_exact_mut(self.length()).enumerate().map(solve).collect(),
+            _ => d.par_chunks_exact_mut(self.length()).enumerate().map(solve).collect(),
+        };
+        reports.into_iter().collect()
     }
 
     /// Right-hand side number `side` of several.
@@ -109,7 +107,6 @@ impl<const D: usize> ElasticMesh<D> {
     /// Repeats d := d + K_ff^{-1} r, r = f - K d, from d_f = 0, until the tolerance is met. Every pass gains the same number of digits.
     fn solve_directly(
         &self,
-        condensation: &Condensation<D>,
         f: Option<&[f64]>,
         d: &mut [f64],
         tolerance: f64,
@@ -119,7 +116,7 @@ impl<const D: usize> ElasticMesh<D> {
         let start = self.residuals(f, d, &mut r);
         let mut norms = start.clone();
         for _ in 0..passes(self.pass_error, tolerance) {
-            condensation.solve(self.operator.batches(), &mut r);
+            self.inverse.solve(self.operator.batches(), &mut r);
             axpy(1.0, &r, d);
             norms = self.residuals(f, d, &mut r);
         }
@@ -138,12 +135,12 @@ impl<const D: usize> ElasticMesh<D> {
 
     /// The relative error of one pass of the factor, measured by a solve with the known solution d = x. It is near round-off in well-shaped
     /// meshes. It is larger where neighbouring cells differ in stiffness by ten orders of magnitude, although their residual is small.
-    pub(super) fn measure_pass_error(&self, condensation: &Condensation<D>) -> f64 {
+    pub(super) fn measure_pass_error(&self) -> f64 {
         let mut expected = self.coordinates.as_flattened().to_vec();
         self.at_constrained(&mut expected, |_| 0.0);
         let mut found = vec![0.0; self.length()];
         self.apply_free(&expected, &mut found);
-        condensation.solve(self.operator.batches(), &mut found);
+        self.inverse.solve(self.operator.batches(), &mut found);
         let size_of = |vector: &[f64]| largest(vector.iter().map(|x| x.abs()));
         let size = size_of(&expected);
         axpy(-1.0, &expected, &mut found);

@@ -7,7 +7,7 @@ const DENSITY: f64 = 1.7;
 
 fn mass<const D: usize>(mesh: &Mesh<D>, order: usize) -> (Mass<D>, NodalBatches<D>, NodeNumbering) {
     let numbering = NodeNumbering::new(mesh, order);
-    let batches = NodalBatches::new(mesh, &numbering);
+    let batches = NodalBatches::new(&numbering);
     (Mass::new(mesh, &batches, order, DENSITY), batches, numbering)
 }
 

@@ -5,12 +5,17 @@
 //! ```
 //!
 //! A product along the mesh costs about twice a product along the state. Rigid bodies with n unknowns move the mesh in a space of n
-//! dimensions. Products with its basis then serve all Krylov directions.
+//! dimensions. Products with its basis then serve all Krylov directions. Those of the first Newton step of a slab also serve the others
+//! if the motion of the bodies hardly changes any more, as that of heavy bodies.
 
 use newton_krylov::inner_product::{Euclidean, InnerProduct, axpy};
 
 /// A remainder w of this size, relative to v, is rounding.
 const ROUNDING: f64 = 1e-12;
+
+/// The basis serves the next Newton step too if the effect of the last step is this small, relative to the residual that it has left. The
+/// error of a basis that is one step old is then less than the tolerance of a linear solve.
+pub(crate) const SMALL: f64 = 0.3;
 
 /// B v: rows of the residual, and the loads on walls.
 #[derive(Default)]
@@ -47,6 +52,20 @@ impl EffectOfMesh {
     /// B v.
     pub(super) fn of_last(&self) -> &Effect {
         &self.effect
+    }
+
+    /// The rows of B v if v is in the space of the basis.
+    pub(super) fn known(&self, v: &[f64]) -> Option<Vec<f64>> {
+        let (coefficients, rest) = self.split(v);
+        let (_, of_first) = self.basis.first()?;
+        if Euclidean.norm(&rest) > ROUNDING * Euclidean.norm(v) {
+            return None;
+        }
+        let mut effect = vec![0.0; of_first.residual.len()];
+        for (c, (_, of_q)) in coefficients.iter().zip(&self.basis) {
+            axpy(*c, &of_q.residual, &mut effect);
+        }
+        Some(effect)
     }
 
     /// Takes the effect of `v` by (effect of mesh), where `product` sets B x for a given x.
@@ -136,6 +155,19 @@ mod tests {
     fn a_mesh_that_rests_has_an_effect_of_zeros() {
         checked(0)([0.0; 3], 1);
         checked(2)([0.0; 3], 1);
+    }
+
+    #[test]
+    fn the_effect_of_velocities_in_the_basis_is_known() {
+        let mut of_mesh = EffectOfMesh { dimension: 2, ..EffectOfMesh::default() };
+        assert_eq!(of_mesh.known(&[0.0; 3]), None);
+        of_mesh.take(&[1.0, 2.0, 0.0], product);
+        let mut expected = Effect::default();
+        product(&[-0.5, -1.0, 0.0], &mut expected);
+        assert!(error(&of_mesh.known(&[-0.5, -1.0, 0.0]).unwrap_or_default(), &expected.residual) < 1e-15);
+        assert_eq!(of_mesh.known(&[0.0, 1.0, 0.0]), None);
+        of_mesh.forget();
+        assert_eq!(of_mesh.known(&[1.0, 2.0, 0.0]), None);
     }
 
     /// Velocities in a plane take two products, whatever their number and their size; others take one each.

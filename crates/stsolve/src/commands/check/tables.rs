@@ -87,6 +87,7 @@ fn motion_table<const D: usize>(facts: &Facts<'_, D>, motion: &Motion<D>) -> Tab
         let solver = match plan.solver {
             Solver::Direct => "direct",
             Solver::Multigrid => "conjugate gradients with multigrid",
+            Solver::Bddc => "conjugate gradients with BDDC on blocks",
             Solver::ConjugateGradients | Solver::Automatic => "conjugate gradients with a low-order factor",
         };
         table.row("solver", solver, "").row("memory of the solver", plan.bytes as f64 / 1e6, "MB");

@@ -1,0 +1,86 @@
+//! Balancing domain decomposition by constraints (Dohrmann 2003) with deluxe scaling (Dohrmann & Widlund 2013).
+//!
+//! With the restriction R_b to the interface of a block, and for every piece F of the interface the part S_b,F of S_b:
+//!
+//! ```text
+//! P^{-1} = sum_b R_b^T D_b (Phi_b S_c^{-1} Phi^T + K_b) D_b^T R_b                                                    (bddc)
+//! D_b = (sum_j S_j,F)^{-1} S_b,F on every piece F                                                                  (deluxe)
+//! ```
+//!
+//! K_b inverts S_b where the constraints vanish: values at vertices, rigid motions of edges and faces, and for faces the eigenvectors
+//! that are dear (`constraints`). Phi_b extends values of constraints with the least energy, S_c is their energy.
+
+mod coarse;
+mod constraints;
+mod local;
+mod scaling;
+
+use crate::ElasticityError;
+use crate::substructures::exchange::Exchange;
+use crate::substructures::interface::Interface;
+use coarse::Coarse;
+use constraints::Constraints;
+use faer::{Mat, Side};
+use local::Local;
+use rayon::prelude::*;
+use scaling::Scaling;
+
+/// The preconditioner of the interface: what belongs to own blocks, and the coarse problem.
+pub(super) struct Bddc<const D: usize> {
+    locals: Vec<Local>,
+    scaling: Scaling<D>,
+    coarse: Coarse,
+}
+
+impl<const D: usize> Bddc<D> {
+    /// From the S_b of the own blocks. A collective call.
+    pub(super) fn new(
+        interface: &Interface<D>,
+        exchange: &Exchange,
+        own: Vec<Mat<f64>>,
+    ) -> Result<Self, ElasticityError> {
+        let (scaling, faces) = Scaling::new(interface, exchange, &own)?;
+        let constraints = Constraints::new(interface, exchange, &faces)?;
+        let first = exchange.first_own();
+        let local = |(place, s): (usize, Mat<f64>)| Local::new(s, interface, first + place, &constraints);
+        let locals = own.into_par_iter().enumerate().map(local).collect::<Result<Vec<_>, _>>();
+        let locals = exchange.agree(locals)?;
+        let coarse = Coarse::new(&constraints, exchange, &locals)?;
+        Ok(Bddc { locals, scaling, coarse })
+    }
+
+    /// u = P^{-1} u by (bddc). A collective call.
+    pub(super) fn apply(&self, interface: &Interface<D>, exchange: &Exchange, u: &mut [f64]) {
+        let first = exchange.first_own();
+        let r = self.scaling.over_sums(interface, u);
+        let of_own = || self.locals.par_iter().enumerate();
+        let shares: Vec<Vec<f64>> =
+            of_own().map(|(place, _)| self.scaling.share(interface, first + place, |k| &r[&k])).collect();
+        let loads = of_own().map(|(place, local)| local.load(&shares[place])).collect();
+        let values = self.coarse.solve(exchange, loads);
+        let correct = |(place, local): (usize, &Local)| {
+            let x = local.solve(&shares[place], &self.coarse.of_block(first + place, &values));
+            let parts = interface.parts(first + place, &x);
+            self.scaling.share(interface, first + place, |k| &parts[&k])
+        };
+        let corrections = exchange.gather(of_own().map(correct).collect(), |b| interface.of_block[b].len() * D);
+        u.fill(0.0);
+        corrections.iter().enumerate().for_each(|(block, part)| interface.add_part(block, part, u));
+        let whole = self.scaling.over_sums(interface, u);
+        self.scaling.collect(interface, exchange, &whole, u);
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.locals.iter().map(Local::bytes).sum::<usize>() + self.scaling.bytes() + self.coarse.bytes()
+    }
+}
+
+/// The Cholesky factor of a matrix, whose lower triangle is read.
+fn cholesky(matrix: &Mat<f64>, of: &str) -> Result<faer::linalg::solvers::Llt<f64>, ElasticityError> {
+    matrix.llt(Side::Lower).map_err(|cause| ElasticityError::NotDefinite { cause: format!("{of}: {cause:?}") })
+}
+
+/// The rows and columns `of` of a matrix.
+fn submatrix(matrix: &Mat<f64>, of: &[usize]) -> Mat<f64> {
+    Mat::from_fn(of.len(), of.len(), |i, j| matrix[(of[i], of[j])])
+}
