@@ -182,6 +182,12 @@ impl<const D: usize, const M: usize> System<D, M> {
     fn reset_walls(&mut self) {
         if !self.bodies.is_empty() {
             self.mesh.prescribe(&mut self.exchange);
+        }
+    }
+
+    /// Sets the derivative of this displacement to zero. Bodies then add to it.
+    fn reset_walls_of_direction(&mut self) {
+        if !self.bodies.is_empty() {
             self.tangent.wall_displacement.fill(0.0);
         }
     }
@@ -283,7 +289,7 @@ impl<const D: usize, const M: usize> NonlinearProblem for System<D, M> {
     }
 
     fn jacobian_product(&mut self, direction: &[f64], out: &mut [f64]) {
-        self.reset_walls();
+        self.reset_walls_of_direction();
         self.each(|block, range, _, _, tangent| block.product(&direction[range.clone()], tangent, &mut out[range]));
         self.each(|block, range, _, _, tangent| block.receive_product(tangent, &mut out[range]));
     }
@@ -302,7 +308,7 @@ impl<const D: usize, const M: usize> NonlinearProblem for System<D, M> {
 
     /// Block lower triangular: each block after the effect of the blocks before it.
     fn precondition(&mut self, r: &[f64], out: &mut [f64]) {
-        self.reset_walls();
+        self.reset_walls_of_direction();
         self.each(|block, range, _, _, tangent| block.precondition(&r[range.clone()], tangent, &mut out[range]));
     }
 

@@ -8,7 +8,9 @@ mod minimum_discarded_fill;
 mod stages;
 
 use super::blocks::{Link, coupling_block, diagonal_block};
+use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::DenseSolveCore;
+use faer::{Accum, Mat, Par};
 use fem::{Share, SpaceJacobian};
 use graph::Graph;
 use minimum_discarded_fill::eliminate;
@@ -152,11 +154,15 @@ fn in_block(links: &[Link], cell: usize, share: &Share) -> Vec<Link> {
 
 /// |A_ii^{-1} A_ik| in the Frobenius norm for every link of cell i, up to the norm of a trace.
 fn strengths(jacobian: &SpaceJacobian<f64>, links: &[Link], cell: usize, dt: f64, lambda: f64) -> Vec<f64> {
-    let inverse = diagonal_block(jacobian, cell, dt, lambda).partial_piv_lu().inverse();
+    let factors = diagonal_block(jacobian, cell, dt, lambda).partial_piv_lu();
+    let inverse = factors.inverse();
+    drop(factors);
     let (n, t) = (jacobian.block, jacobian.traces.len());
+    // All links share the space: every thread keeps what it has freed, and these blocks are large.
+    let (mut lifted, mut product) = (vec![0.0; n * t], Mat::zeros(n, t));
     let norm = |link: &Link| {
         let b = coupling_block(jacobian, *link);
-        let mut lifted = vec![0.0; n * t];
+        lifted.fill(0.0);
         for (lifted, b) in lifted.chunks_exact_mut(n).zip(b.chunks_exact(t)) {
             for (row, b) in b.iter().enumerate() {
                 let (offset, functional) = jacobian.traces.functional(link.face, row);
@@ -164,7 +170,8 @@ fn strengths(jacobian: &SpaceJacobian<f64>, links: &[Link], cell: usize, dt: f64
             }
         }
         let lifted = faer::MatRef::from_column_major_slice(&lifted, n, t);
-        (&inverse * lifted).norm_l2()
+        matmul(product.as_mut(), Accum::Replace, inverse.as_ref(), lifted, 1.0, Par::Seq);
+        product.norm_l2()
     };
     links.iter().map(norm).collect()
 }

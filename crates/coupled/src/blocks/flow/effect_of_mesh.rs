@@ -56,15 +56,12 @@ impl EffectOfMesh {
 
     /// The rows of B v if v is in the space of the basis.
     pub(super) fn known(&self, v: &[f64]) -> Option<Vec<f64>> {
-        let (coefficients, rest) = self.split(v);
-        let (_, of_first) = self.basis.first()?;
-        if Euclidean.norm(&rest) > ROUNDING * Euclidean.norm(v) {
+        let (coefficients, _, size) = self.split(v);
+        if self.basis.is_empty() || size > ROUNDING * Euclidean.norm(v) {
             return None;
         }
-        let mut effect = vec![0.0; of_first.residual.len()];
-        for (c, (_, of_q)) in coefficients.iter().zip(&self.basis) {
-            axpy(*c, &of_q.residual, &mut effect);
-        }
+        let mut effect = Vec::new();
+        sum_into(coefficients.iter().zip(&self.basis).map(|(c, (_, of_q))| (*c, &of_q.residual[..])), &mut effect);
         Some(effect)
     }
 
@@ -75,8 +72,7 @@ impl EffectOfMesh {
         if self.dimension == 0 {
             return product(v, &mut self.effect);
         }
-        let (mut coefficients, rest) = self.split(v);
-        let size = Euclidean.norm(&rest);
+        let (mut coefficients, rest, size) = self.split(v);
         let is_known = size <= ROUNDING * Euclidean.norm(v) && !self.basis.is_empty();
         if !is_known && (self.basis.len() == self.dimension || size == 0.0) {
             return product(v, &mut self.effect);
@@ -93,28 +89,36 @@ impl EffectOfMesh {
     /// B v := sum_j c_j B q_j
     fn combine(&mut self, c: &[f64]) {
         let EffectOfMesh { effect: Effect { residual, loads }, basis, .. } = self;
-        residual.clear();
-        loads.clear();
-        for (c, (_, of_q)) in c.iter().zip(basis) {
-            residual.resize(of_q.residual.len(), 0.0);
-            loads.resize(of_q.loads.len(), 0.0);
-            axpy(*c, &of_q.residual, residual);
-            axpy(*c, &of_q.loads, loads);
-        }
+        sum_into(c.iter().zip(&*basis).map(|(c, (_, of_q))| (*c, &of_q.residual[..])), residual);
+        sum_into(c.iter().zip(&*basis).map(|(c, (_, of_q))| (*c, &of_q.loads[..])), loads);
     }
 
-    /// c and w of (effect of mesh), orthogonalised twice.
-    fn split(&self, v: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    /// c and w of (effect of mesh), with the norm of w. Orthogonalised twice, unless v is in the space of the basis.
+    fn split(&self, v: &[f64]) -> (Vec<f64>, Vec<f64>, f64) {
         let (mut coefficients, mut rest) = (vec![0.0; self.basis.len()], v.to_vec());
+        let mut size = 0.0;
         for _ in 0..2 {
             for (sum, (q, _)) in coefficients.iter_mut().zip(&self.basis) {
                 let c = Euclidean.dot(q, &rest);
                 axpy(-c, q, &mut rest);
                 *sum += c;
             }
+            size = Euclidean.norm(&rest);
+            if size <= ROUNDING * Euclidean.norm(&coefficients) {
+                break;
+            }
         }
-        (coefficients, rest)
+        (coefficients, rest, size)
     }
+}
+
+/// sum := sum_j c_j x_j
+fn sum_into<'a>(mut terms: impl Iterator<Item = (f64, &'a [f64])>, sum: &mut Vec<f64>) {
+    sum.clear();
+    if let Some((c, x)) = terms.next() {
+        sum.extend(x.iter().map(|x| c * x));
+    }
+    terms.for_each(|(c, x)| axpy(c, x, sum));
 }
 
 #[cfg(test)]
