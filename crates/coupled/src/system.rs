@@ -13,7 +13,7 @@ mod rounding;
 pub use residual_breakdown::ResidualBreakdown;
 
 use crate::block::{Block, Body, Exchange, Quantity};
-use crate::blocks::{Counts, FlowBlock, MeshBlock, SMALL};
+use crate::blocks::{Counts, FlowBlock, MeshBlock};
 use crate::lagged_preconditioner::Linearisation;
 use crate::mesh_mover::MeshMover;
 use crate::slab_error::SlabError;
@@ -44,8 +44,6 @@ pub struct System<const D: usize, const M: usize> {
     ranges: Vec<Range<usize>>,
     weights: Weighted,
     inverse_pseudo_time: Vec<f64>,
-    /// The norm of the flow's last residual, where there are bodies.
-    flow_norm: f64,
 }
 
 impl<const D: usize, const M: usize> System<D, M> {
@@ -70,7 +68,6 @@ impl<const D: usize, const M: usize> System<D, M> {
             ranges: Vec::new(),
             weights: Weighted::new(Vec::new()),
             inverse_pseudo_time: Vec::new(),
-            flow_norm: f64::NAN,
         };
         system.lay_out();
         system
@@ -119,15 +116,6 @@ impl<const D: usize, const M: usize> System<D, M> {
     pub fn mesh_range(&self) -> Range<usize> {
         self.ranges[self.bodies.len()].clone()
     }
-    /// Whether bodies changed the mesh so little in the last Newton step that products along the mesh need not be made again.
-    fn mesh_hardly_matters(&self) -> bool {
-        let Some(effect) = self.flow.effect_of_last_step() else { return false };
-        let range = self.flow_range();
-        let mut rows = vec![0.0; range.end];
-        rows[range.clone()].copy_from_slice(&effect);
-        self.weights.norm_on(range, &rows) <= SMALL * self.flow_norm
-    }
-
     /// The flow's part of z.
     pub fn flow_range(&self) -> Range<usize> {
         self.ranges[self.bodies.len() + 1].clone()
@@ -182,12 +170,6 @@ impl<const D: usize, const M: usize> System<D, M> {
     fn reset_walls(&mut self) {
         if !self.bodies.is_empty() {
             self.mesh.prescribe(&mut self.exchange);
-        }
-    }
-
-    /// Sets the derivative of this displacement to zero. Bodies then add to it.
-    fn reset_walls_of_direction(&mut self) {
-        if !self.bodies.is_empty() {
             self.tangent.wall_displacement.fill(0.0);
         }
     }
@@ -273,23 +255,18 @@ impl<const D: usize, const M: usize> NonlinearProblem for System<D, M> {
             }
         });
         self.each(|block, range, _, exchange, _| block.receive(exchange, &mut r[range]));
-        if !self.bodies.is_empty() {
-            self.flow_norm = self.weights.norm_on(self.flow_range(), r);
-        }
         result
     }
 
     fn linearise(&mut self, z: &[f64], inverse_pseudo_time: &[f64]) -> Result<(), Inadmissible> {
         self.inverse_pseudo_time.copy_from_slice(inverse_pseudo_time);
-        let keep = self.mesh_hardly_matters();
-        self.flow.keep_effect_of_mesh(keep);
         self.set_point(z);
         self.flow.update_preconditioner();
         Ok(())
     }
 
     fn jacobian_product(&mut self, direction: &[f64], out: &mut [f64]) {
-        self.reset_walls_of_direction();
+        self.reset_walls();
         self.each(|block, range, _, _, tangent| block.product(&direction[range.clone()], tangent, &mut out[range]));
         self.each(|block, range, _, _, tangent| block.receive_product(tangent, &mut out[range]));
     }
@@ -308,7 +285,7 @@ impl<const D: usize, const M: usize> NonlinearProblem for System<D, M> {
 
     /// Block lower triangular: each block after the effect of the blocks before it.
     fn precondition(&mut self, r: &[f64], out: &mut [f64]) {
-        self.reset_walls_of_direction();
+        self.reset_walls();
         self.each(|block, range, _, _, tangent| block.precondition(&r[range.clone()], tangent, &mut out[range]));
     }
 

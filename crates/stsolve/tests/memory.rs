@@ -40,10 +40,10 @@ fn of_the_heaving_airfoil() {
 }
 
 /// Walls that obstruct the stream, so that the slab is not trivial; with blocks, and with the preconditioner of low order, which takes more
-/// iterations than the estimate supposes.
+/// iterations than the estimate supposes. The second thread may add 50 MB that the estimate does not count, so the flow is not small.
 #[test]
 fn in_three_dimensions() {
-    let set = ["mesh.generate.box.cells=[4,4,4]", "flow.order=4", "flow.boundary.others=slip_wall", "time.slabs=1"];
+    let set = ["mesh.generate.box.cells=[6,6,6]", "flow.order=4", "flow.boundary.others=slip_wall", "time.slabs=1"];
     for changes in [["time.end=0.05", "solver.preconditioner=blocks"], ["time.end=0.05", "solver.krylov_restart=16"]] {
         assert_estimate("free_stream_3d", &[&set[..], &changes].concat());
     }

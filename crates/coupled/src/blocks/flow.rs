@@ -3,7 +3,6 @@
 mod effect_of_mesh;
 
 use effect_of_mesh::EffectOfMesh;
-pub(crate) use effect_of_mesh::SMALL;
 
 use crate::block::{Block, Couplings, Exchange, Quantity};
 use crate::lagged_preconditioner::{LaggedPreconditioner, Linearisation, Update};
@@ -48,10 +47,6 @@ pub struct FlowBlock<const D: usize, const M: usize> {
     /// What is left of a residual after the mesh, where that moves.
     rest: Vec<f64>,
     effect_of_mesh: EffectOfMesh,
-    /// The velocities of the mesh at the point of linearisation, where that effect has a basis.
-    linearised_velocities: Vec<f64>,
-    /// Whether the next linearisation keeps the basis.
-    keeps_effect: bool,
 }
 
 impl<const D: usize, const M: usize> FlowBlock<D, M> {
@@ -67,8 +62,6 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
             still: Vec::new(),
             rest: Vec::new(),
             effect_of_mesh: EffectOfMesh::default(),
-            linearised_velocities: Vec::new(),
-            keeps_effect: false,
             operator,
         }
     }
@@ -76,20 +69,6 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
     /// Tells that all velocities of the mesh lie in a space of `dimension` dimensions; zero if nothing is known.
     pub(crate) fn expect_mesh_velocities(&mut self, dimension: usize) {
         self.effect_of_mesh.dimension = dimension;
-    }
-
-    /// The effect on the residual of what the mesh has changed since the last linearisation, if products for it are known.
-    pub(crate) fn effect_of_last_step(&self) -> Option<Vec<f64>> {
-        if self.linearised_velocities.len() != self.velocities.len() {
-            return None;
-        }
-        let change = self.velocities.iter().zip(&self.linearised_velocities).map(|(new, old)| new - old);
-        self.effect_of_mesh.known(&change.collect::<Vec<f64>>())
-    }
-
-    /// Whether the next linearisation keeps the products along the mesh.
-    pub(crate) fn keep_effect_of_mesh(&mut self, keep: bool) {
-        self.keeps_effect = keep;
     }
 
     /// Moves to the slab `interval` on top of `bottom`.
@@ -112,7 +91,6 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
     /// Forgets the mesh: it must be set again.
     fn forget(&mut self) {
         self.velocities.fill(f64::NAN);
-        self.linearised_velocities.clear();
         self.effect_of_mesh.forget();
     }
 
@@ -227,12 +205,7 @@ impl<const D: usize, const M: usize> Block for FlowBlock<D, M> {
         self.set_mesh(exchange);
         self.operator.linearise(u);
         self.inverse_pseudo_time = inverse_pseudo_time;
-        if !self.keeps_effect {
-            self.effect_of_mesh.forget();
-        }
-        if self.effect_of_mesh.dimension > 0 {
-            self.linearised_velocities.clone_from(&self.velocities);
-        }
+        self.effect_of_mesh.forget();
     }
 
     fn product(&mut self, x: &[f64], tangent: &mut Exchange, out: &mut [f64]) {

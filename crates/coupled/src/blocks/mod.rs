@@ -7,7 +7,6 @@ pub mod rigid_body;
 mod slab_times;
 
 pub use elastic_body::ElasticBody;
-pub(crate) use flow::SMALL;
 pub(crate) use flow::inadmissible;
 pub(crate) use flow::totals_at;
 pub use flow::{Counts, FlowBlock, totals};

@@ -154,11 +154,12 @@ fn in_block(links: &[Link], cell: usize, share: &Share) -> Vec<Link> {
 
 /// |A_ii^{-1} A_ik| in the Frobenius norm for every link of cell i, up to the norm of a trace.
 fn strengths(jacobian: &SpaceJacobian<f64>, links: &[Link], cell: usize, dt: f64, lambda: f64) -> Vec<f64> {
+    // Allocated first. After the large matrices it would lie in the space that they leave, and split it for the next cell.
+    let mut strengths = Vec::with_capacity(links.len());
     let factors = diagonal_block(jacobian, cell, dt, lambda).partial_piv_lu();
     let inverse = factors.inverse();
     drop(factors);
     let (n, t) = (jacobian.block, jacobian.traces.len());
-    // All links share the space: every thread keeps what it has freed, and these blocks are large.
     let (mut lifted, mut product) = (vec![0.0; n * t], Mat::zeros(n, t));
     let norm = |link: &Link| {
         let b = coupling_block(jacobian, *link);
@@ -173,7 +174,8 @@ fn strengths(jacobian: &SpaceJacobian<f64>, links: &[Link], cell: usize, dt: f64
         matmul(product.as_mut(), Accum::Replace, inverse.as_ref(), lifted, 1.0, Par::Seq);
         product.norm_l2()
     };
-    links.iter().map(norm).collect()
+    strengths.extend(links.iter().map(norm));
+    strengths
 }
 
 /// The position of each entry of an order.

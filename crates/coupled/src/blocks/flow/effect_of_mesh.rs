@@ -5,17 +5,12 @@
 //! ```
 //!
 //! A product along the mesh costs about twice a product along the state. Rigid bodies with n unknowns move the mesh in a space of n
-//! dimensions. Products with its basis then serve all Krylov directions. Those of the first Newton step of a slab also serve the others
-//! if the motion of the bodies hardly changes any more, as that of heavy bodies.
+//! dimensions. Products with its basis then serve all Krylov directions.
 
 use newton_krylov::inner_product::{Euclidean, InnerProduct, axpy};
 
 /// A remainder w of this size, relative to v, is rounding.
 const ROUNDING: f64 = 1e-12;
-
-/// The basis serves the next Newton step too if the effect of the last step is this small, relative to the residual that it has left. The
-/// error of a basis that is one step old is then less than the tolerance of a linear solve.
-pub(crate) const SMALL: f64 = 0.3;
 
 /// B v: rows of the residual, and the loads on walls.
 #[derive(Default)]
@@ -54,17 +49,6 @@ impl EffectOfMesh {
         &self.effect
     }
 
-    /// The rows of B v if v is in the space of the basis.
-    pub(super) fn known(&self, v: &[f64]) -> Option<Vec<f64>> {
-        let (coefficients, _, size) = self.split(v);
-        if self.basis.is_empty() || size > ROUNDING * Euclidean.norm(v) {
-            return None;
-        }
-        let mut effect = Vec::new();
-        sum_into(coefficients.iter().zip(&self.basis).map(|(c, (_, of_q))| (*c, &of_q.residual[..])), &mut effect);
-        Some(effect)
-    }
-
     /// Takes the effect of `v` by (effect of mesh), where `product` sets B x for a given x.
     pub(super) fn take(&mut self, v: &[f64], mut product: impl FnMut(&[f64], &mut Effect)) {
         self.velocities.clear();
@@ -72,7 +56,8 @@ impl EffectOfMesh {
         if self.dimension == 0 {
             return product(v, &mut self.effect);
         }
-        let (mut coefficients, rest, size) = self.split(v);
+        let (mut coefficients, rest) = self.split(v);
+        let size = Euclidean.norm(&rest);
         let is_known = size <= ROUNDING * Euclidean.norm(v) && !self.basis.is_empty();
         if !is_known && (self.basis.len() == self.dimension || size == 0.0) {
             return product(v, &mut self.effect);
@@ -89,36 +74,28 @@ impl EffectOfMesh {
     /// B v := sum_j c_j B q_j
     fn combine(&mut self, c: &[f64]) {
         let EffectOfMesh { effect: Effect { residual, loads }, basis, .. } = self;
-        sum_into(c.iter().zip(&*basis).map(|(c, (_, of_q))| (*c, &of_q.residual[..])), residual);
-        sum_into(c.iter().zip(&*basis).map(|(c, (_, of_q))| (*c, &of_q.loads[..])), loads);
+        residual.clear();
+        loads.clear();
+        for (c, (_, of_q)) in c.iter().zip(basis) {
+            residual.resize(of_q.residual.len(), 0.0);
+            loads.resize(of_q.loads.len(), 0.0);
+            axpy(*c, &of_q.residual, residual);
+            axpy(*c, &of_q.loads, loads);
+        }
     }
 
-    /// c and w of (effect of mesh), with the norm of w. Orthogonalised twice, unless v is in the space of the basis.
-    fn split(&self, v: &[f64]) -> (Vec<f64>, Vec<f64>, f64) {
+    /// c and w of (effect of mesh), orthogonalised twice.
+    fn split(&self, v: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let (mut coefficients, mut rest) = (vec![0.0; self.basis.len()], v.to_vec());
-        let mut size = 0.0;
         for _ in 0..2 {
             for (sum, (q, _)) in coefficients.iter_mut().zip(&self.basis) {
                 let c = Euclidean.dot(q, &rest);
                 axpy(-c, q, &mut rest);
                 *sum += c;
             }
-            size = Euclidean.norm(&rest);
-            if size <= ROUNDING * Euclidean.norm(&coefficients) {
-                break;
-            }
         }
-        (coefficients, rest, size)
+        (coefficients, rest)
     }
-}
-
-/// sum := sum_j c_j x_j
-fn sum_into<'a>(mut terms: impl Iterator<Item = (f64, &'a [f64])>, sum: &mut Vec<f64>) {
-    sum.clear();
-    if let Some((c, x)) = terms.next() {
-        sum.extend(x.iter().map(|x| c * x));
-    }
-    terms.for_each(|(c, x)| axpy(c, x, sum));
 }
 
 #[cfg(test)]
@@ -159,19 +136,6 @@ mod tests {
     fn a_mesh_that_rests_has_an_effect_of_zeros() {
         checked(0)([0.0; 3], 1);
         checked(2)([0.0; 3], 1);
-    }
-
-    #[test]
-    fn the_effect_of_velocities_in_the_basis_is_known() {
-        let mut of_mesh = EffectOfMesh { dimension: 2, ..EffectOfMesh::default() };
-        assert_eq!(of_mesh.known(&[0.0; 3]), None);
-        of_mesh.take(&[1.0, 2.0, 0.0], product);
-        let mut expected = Effect::default();
-        product(&[-0.5, -1.0, 0.0], &mut expected);
-        assert!(error(&of_mesh.known(&[-0.5, -1.0, 0.0]).unwrap_or_default(), &expected.residual) < 1e-15);
-        assert_eq!(of_mesh.known(&[0.0, 1.0, 0.0]), None);
-        of_mesh.forget();
-        assert_eq!(of_mesh.known(&[1.0, 2.0, 0.0]), None);
     }
 
     /// Velocities in a plane take two products, whatever their number and their size; others take one each.
