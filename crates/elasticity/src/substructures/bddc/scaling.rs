@@ -50,6 +50,15 @@ impl<const D: usize> Scaling<D> {
         let found = own.par_iter().enumerate().map(of_block).collect::<Result<Vec<_>, _>>();
         let mut all: OfPieces = exchange.agree(found)?.into_iter().flatten().collect();
         receive(interface, exchange, &mut all);
+        exchange.agree(Self::assembled(interface, exchange, all))
+    }
+
+    /// The same from the matrices of all pieces of own blocks.
+    fn assembled(
+        interface: &Interface<D>,
+        exchange: &Exchange,
+        mut all: OfPieces,
+    ) -> Result<(Self, BTreeMap<usize, Face>), ElasticityError> {
         let (mut pieces, mut faces) = (BTreeMap::new(), BTreeMap::new());
         for (number, piece) in interface.pieces.iter().enumerate() {
             if !piece.blocks.iter().any(|&block| exchange.owns(block)) {
