@@ -134,6 +134,18 @@ pub(crate) fn determinant_and_inverse<const D: usize>(jacobian: &[[f64; D]; D]) 
     (determinant, std::array::from_fn(|a| std::array::from_fn(|j| cofactor[j][a] / determinant)))
 }
 
+/// The translations and the infinitesimal rotations x_a e_b - x_b e_a at x.
+pub(crate) fn rigid_motions<const D: usize>(x: &[f64; D]) -> impl Iterator<Item = [f64; D]> {
+    let translation = |i: usize| std::array::from_fn(|j| f64::from(u8::from(i == j)));
+    let rotation = |(a, b): (usize, usize)| {
+        let mut motion = [0.0; D];
+        (motion[a], motion[b]) = (-x[b], x[a]);
+        motion
+    };
+    let planes = (0..D).flat_map(|b| (0..b).map(move |a| (a, b)));
+    (0..D).map(translation).chain(planes.map(rotation))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

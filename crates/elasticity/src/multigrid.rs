@@ -56,14 +56,11 @@ pub(crate) fn hierarchy<const D: usize>(
     }
 }
 
-/// The translations and the infinitesimal rotations x_a e_b - x_b e_a at x, `[component][motion]`, without the `fixed` components.
+/// The rigid motions at x, `[component][motion]`, without the `fixed` components.
 fn rigid_motions<const D: usize, const B: usize>(x: &[f64; D], fixed: &[bool; D]) -> Block<D, B> {
     let mut motions = [[0.0; B]; D];
-    (0..D).for_each(|i| motions[i][i] = 1.0);
-    let planes = (0..D).flat_map(|b| (0..b).map(move |a| (a, b)));
-    for (motion, (a, b)) in (D..B).zip(planes) {
-        motions[b][motion] = x[a];
-        motions[a][motion] = -x[b];
+    for (number, motion) in crate::geometry::rigid_motions(x).enumerate() {
+        (0..D).for_each(|i| motions[i][number] = motion[i]);
     }
     (0..D).filter(|&i| fixed[i]).for_each(|i| motions[i] = [0.0; B]);
     motions

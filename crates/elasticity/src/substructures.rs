@@ -31,7 +31,7 @@ mod top;
 pub use partition::{Partition, SolverOnBlocks};
 
 use crate::ElasticityError;
-use crate::condensation::Eliminated;
+use crate::condensation::{Condensation, Eliminated};
 use bddc::Bddc;
 use block::Block;
 use exchange::Exchange;
@@ -46,7 +46,7 @@ use top::Top;
 pub(crate) struct Cuts<const D: usize> {
     interface: Interface<D>,
     /// The blocks of this rank.
-    own: Vec<Arc<Block<D>>>,
+    own: Vec<Block<D>>,
     exchange: Exchange,
     /// For each block its C0 nodes that no other block has.
     interiors: Vec<Vec<usize>>,
@@ -64,7 +64,7 @@ impl<const D: usize> Cuts<D> {
         let blocks = partition.cells_of_blocks(numbering.n_cells());
         let interface = Interface::new(&blocks, numbering, constrained, coordinates);
         let block = |number: usize| Block::new(number, &blocks[number], numbering, constrained, centres, &interface);
-        let own = partition.sums.own().into_par_iter().map(|number| Arc::new(block(number))).collect();
+        let own = partition.sums.own().into_par_iter().map(block).collect();
         let interior = |cells: &Vec<usize>| {
             let nodes = numbering.of_cells(cells).1;
             nodes.into_iter().filter(|&node| interface.place(node).is_none()).collect()
@@ -86,7 +86,8 @@ impl<const D: usize> Cuts<D> {
 /// The factored K_ff.
 pub(crate) struct Substructures<const D: usize> {
     cuts: Arc<Cuts<D>>,
-    factors: Vec<block::Factor<D>>,
+    /// Of the own blocks.
+    factors: Vec<Condensation<D>>,
     coupling: Coupling<D>,
 }
 
@@ -156,7 +157,7 @@ impl<const D: usize> Substructures<D> {
             Coupling::Direct(top) => top.solve(&mut u),
             Coupling::Bddc(bddc) => bddc.apply(interface, exchange, &mut u),
         }
-        let substitute = |((block, factor), eliminated): ((&Arc<Block<D>>, &block::Factor<D>), Eliminated)| {
+        let substitute = |((block, factor), eliminated): ((&Block<D>, &Condensation<D>), Eliminated)| {
             block.substitute(factor, eliminated, &u)
         };
         let inside = of_own().zip(eliminated).map(substitute).collect();
@@ -173,7 +174,7 @@ impl<const D: usize> Substructures<D> {
             Coupling::Direct(top) => top.bytes(),
             Coupling::Bddc(bddc) => bddc.bytes(),
         };
-        self.factors.iter().map(block::Factor::bytes).sum::<usize>() + coupling
+        self.factors.iter().map(Condensation::bytes).sum::<usize>() + coupling
     }
 }
 

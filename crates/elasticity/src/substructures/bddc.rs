@@ -44,8 +44,8 @@ impl<const D: usize> Bddc<D> {
         let first = exchange.first_own();
         let local = |(place, s): (usize, Mat<f64>)| Local::new(s, interface, first + place, &constraints);
         let locals = own.into_par_iter().enumerate().map(local).collect::<Result<Vec<_>, _>>();
-        let locals = exchange.agree(locals)?;
-        let coarse = Coarse::new(&constraints, exchange, &locals)?;
+        let (locals, energies): (Vec<_>, Vec<_>) = exchange.agree(locals)?.into_iter().unzip();
+        let coarse = Coarse::new(&constraints, exchange, &energies)?;
         Ok(Bddc { locals, scaling, coarse })
     }
 

@@ -25,15 +25,6 @@ pub(super) struct Block<const D: usize> {
     places: Vec<usize>,
 }
 
-/// The factored K_bb.
-pub(super) struct Factor<const D: usize>(Condensation<D>);
-
-impl<const D: usize> Factor<D> {
-    pub(super) fn bytes(&self) -> usize {
-        self.0.bytes()
-    }
-}
-
 impl<const D: usize> Block<D> {
     pub(super) fn new(
         number: usize,
@@ -72,14 +63,14 @@ impl<const D: usize> Block<D> {
     pub(super) fn factor(
         &self,
         matrices: &(impl Fn(usize) -> Vec<Pack> + Sync),
-    ) -> Result<(Factor<D>, Mat<f64>), ElasticityError> {
+    ) -> Result<(Condensation<D>, Mat<f64>), ElasticityError> {
         let own = |batch| self.own_matrices(batch, matrices);
         let mut condensation = self.elimination.factor(&self.batches, own)?;
         let mut complement = condensation.take_complement();
         for j in 0..complement.ncols() {
             (0..j).for_each(|i| complement[(i, j)] = complement[(j, i)]);
         }
-        Ok((Factor(condensation), complement))
+        Ok((condensation, complement))
     }
 
     /// The matrices of a batch of own cells, from those of the batches of the whole mesh.
@@ -99,10 +90,10 @@ impl<const D: usize> Block<D> {
     }
 
     /// Eliminates the interior from the right-hand side `x`, `[C0 node][component]`.
-    pub(super) fn eliminate(&self, factor: &Factor<D>, x: &[f64]) -> Eliminated {
+    pub(super) fn eliminate(&self, factor: &Condensation<D>, x: &[f64]) -> Eliminated {
         let mut own = taken::<D>(&self.nodes, x);
         self.kept.iter().for_each(|&node| own[node * D..][..D].fill(0.0));
-        factor.0.eliminate(&self.batches, &own)
+        factor.eliminate(&self.batches, &own)
     }
 
     /// What the elimination adds to the right-hand side at the interface.
@@ -111,10 +102,10 @@ impl<const D: usize> Block<D> {
     }
 
     /// The solution inside, from that of the interface.
-    pub(super) fn substitute(&self, factor: &Factor<D>, mut eliminated: Eliminated, u: &[f64]) -> Vec<f64> {
+    pub(super) fn substitute(&self, factor: &Condensation<D>, mut eliminated: Eliminated, u: &[f64]) -> Vec<f64> {
         super::put::<D>(&self.kept, &taken::<D>(&self.places, u), &mut eliminated.swept);
         let mut x = vec![0.0; self.nodes.len() * D];
-        factor.0.substitute(&self.batches, eliminated, &mut x);
+        factor.substitute(&self.batches, eliminated, &mut x);
         taken::<D>(&self.inside, &x)
     }
 }

@@ -10,6 +10,7 @@ pub(super) struct Interface<const D: usize> {
     pub(super) nodes: Vec<usize>,
     /// The places of every block, increasing.
     pub(super) of_block: Vec<Vec<usize>>,
+    /// Connected sets of nodes that the same blocks have, in the order of their first places.
     pub(super) pieces: Vec<Piece>,
     /// For every block its pieces, each with its rows in a vector of the block's interface, `[node][component]`.
     pieces_of_block: Vec<Vec<(usize, Vec<usize>)>>,

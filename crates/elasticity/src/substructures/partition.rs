@@ -36,7 +36,7 @@ impl Partition {
     /// The cells of every block, increasing.
     pub(crate) fn cells_of_blocks(&self, cells: usize) -> Vec<Vec<usize>> {
         let mut blocks = vec![Vec::new(); self.sums.blocks()];
-        (0..cells).for_each(|cell| blocks[self.block_of_cell[cell]].push(cell));
+        (0..cells).for_each(|cell| blocks[self.block_of_cell.get(cell).copied().unwrap_or(0)].push(cell));
         blocks
     }
 }

@@ -65,6 +65,14 @@ fn every_number_of_blocks_agrees_with_a_dense_factorisation() {
     }
 }
 
+/// Without blocks BDDC is the direct solver of the one block.
+#[test]
+fn bddc_without_a_partition_is_the_factor_of_the_mesh() {
+    let elastic = clamped(&unit_box([4, 3], 3, 0.03), Solver::Bddc.into());
+    let mut d = vec![0.0; elastic.length()];
+    assert!(elastic.solve(&noise(elastic.length()), &mut d, 1e-10).unwrap().iterations <= 2);
+}
+
 /// An airfoil with cells of aspect ratio 1,000 at its wall, of some 25,000 unknowns.
 fn airfoil(order: usize) -> Mesh<2> {
     let normal_cells = if order < 8 { 28 } else { 12 };

@@ -2,8 +2,8 @@
 
 use crate::ElasticityError;
 use crate::substructures::bddc::constraints::Constraints;
-use crate::substructures::bddc::local::Local;
 use crate::substructures::exchange::{Exchange, packed, packed_length, unpacked};
+use faer::Mat;
 use sparse::{BlockMatrix, Factorisation, Kind};
 use std::sync::Arc;
 
@@ -16,21 +16,17 @@ pub(super) struct Coarse {
 }
 
 impl Coarse {
-    /// A collective call.
+    /// From the S_c of the own blocks. A collective call.
     pub(super) fn new(
         constraints: &Constraints,
         exchange: &Exchange,
-        locals: &[Local],
+        energies: &[Mat<f64>],
     ) -> Result<Self, ElasticityError> {
         let (of_block, count) = (constraints.of_block.clone(), constraints.count);
-        let own = locals.iter().map(|local| packed(&local.energy)).collect();
+        let own = energies.iter().map(packed).collect();
         let energies = exchange.gather(own, |block| packed_length(of_block[block].len()));
         let mut neighbours = vec![Vec::new(); count];
         of_block.iter().for_each(|own| own.iter().for_each(|&k| neighbours[k].extend(own)));
-        neighbours.iter_mut().for_each(|list| {
-            list.sort_unstable();
-            list.dedup();
-        });
         let mut matrix = BlockMatrix::new(Kind::Cholesky, 1, neighbours);
         for (own, energy) in of_block.iter().zip(&energies) {
             let energy = unpacked(energy, own.len());

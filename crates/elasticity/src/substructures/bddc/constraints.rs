@@ -1,6 +1,7 @@
 //! The constraints: functionals of the displacement of a piece that the coarse problem keeps equal in all blocks.
 
 use crate::ElasticityError;
+use crate::geometry;
 use crate::substructures::bddc::cholesky;
 use crate::substructures::bddc::scaling::Face;
 use crate::substructures::exchange::Exchange;
@@ -85,21 +86,15 @@ fn rows<const D: usize>(interface: &Interface<D>, piece: &Piece) -> Vec<Vec<f64>
     orthonormal(motions)
 }
 
-/// The translations, and the infinitesimal rotations in every plane about the centre.
+/// The rigid motions of a piece about its centre.
 fn rigid_motions<const D: usize>(interface: &Interface<D>, piece: &Piece) -> Vec<Vec<f64>> {
     let centre = interface.centre(&piece.places);
-    let along = |i: usize| piece.places.iter().flat_map(|_| (0..D).map(|j| f64::from(u8::from(i == j)))).collect();
-    let rotation = |(a, b): (usize, usize)| {
-        let at = |&place: &usize| {
-            let x = interface.positions[place];
-            let mut motion = [0.0; D];
-            (motion[a], motion[b]) = (centre[b] - x[b], x[a] - centre[a]);
-            motion
-        };
-        piece.places.iter().flat_map(at).collect()
-    };
-    let planes = (0..D).flat_map(|b| (0..b).map(move |a| (a, b)));
-    (0..D).map(along).chain(planes.map(rotation)).collect()
+    let mut motions = vec![Vec::new(); D * (D + 1) / 2];
+    for &place in &piece.places {
+        let x = std::array::from_fn(|i| interface.positions[place][i] - centre[i]);
+        motions.iter_mut().zip(geometry::rigid_motions::<D>(&x)).for_each(|(all, motion)| all.extend(motion));
+    }
+    motions
 }
 
 /// Gram-Schmidt, twice; vectors that depend on those before are left out.

@@ -29,18 +29,16 @@ pub(super) struct Local {
     rows: Mat<f64>,
     /// Phi
     extension: Mat<f64>,
-    /// S_c, until the coarse problem takes it.
-    pub(super) energy: Mat<f64>,
 }
 
 impl Local {
-    /// From S_b of a block, which is overwritten.
+    /// From S_b of a block, which is overwritten; also S_c.
     pub(super) fn new<const D: usize>(
         s: Mat<f64>,
         interface: &Interface<D>,
         block: usize,
         constraints: &Constraints,
-    ) -> Result<Self, ElasticityError> {
+    ) -> Result<(Self, Mat<f64>), ElasticityError> {
         let scale: Vec<f64> = (0..s.nrows()).map(|i| 1.0 / s[(i, i)].sqrt()).collect();
         let mut rows = Mat::zeros(s.nrows(), constraints.of_block[block].len());
         let mut column = 0;
@@ -66,7 +64,7 @@ impl Local {
         let energy = Mat::from_fn(g.nrows(), g.nrows(), |i, j| {
             (g[(i, j)] - f64::from(u8::from(i == j))) / (lengths[i] * lengths[j])
         });
-        Ok(Local { scale, lengths, factor, rows, extension, energy })
+        Ok((Local { scale, lengths, factor, rows, extension }, energy))
     }
 
     /// Phi^T t, the load of the coarse problem.
