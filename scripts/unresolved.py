@@ -51,9 +51,12 @@ def points(quadrature, volume_flux):
     return [f'flow.quadrature="{quadrature}"', f'flow.volume_flux="{volume_flux}"']
 
 
+NO_FALLBACK = 'solver.fallback="none"'
+
 TREATMENTS = {
-    "conserving": points("conserving", "central"),
-    "three_halves": points("three_halves", "central"),
+    "defaults": points("conserving", "central"),
+    "conserving": [*points("conserving", "central"), NO_FALLBACK],
+    "three_halves": [*points("three_halves", "central"), NO_FALLBACK],
     "nodes, kinetic_energy": points("collocated_lobatto", "kinetic_energy"),
     "nodes, entropy": points("collocated_lobatto", "entropy"),
 }

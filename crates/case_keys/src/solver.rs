@@ -34,6 +34,8 @@ pub struct Solver {
     pub pseudo_time: PseudoTime,
     /// The largest number of times that a slab is halved before the run gives up.
     pub slab_halvings: usize,
+    /// What the run does when a slab could not be solved after all halvings.
+    pub fallback: Fallback,
     /// The thickness of a boundary layer that the initial state gets at no-slip walls; 0 for none. Default: none, unless the first slab
     /// cannot be solved without one.
     pub start_layer: Option<f64>,
@@ -57,6 +59,7 @@ impl Default for Solver {
             predictor: Predictor::Elastic,
             pseudo_time: PseudoTime::default(),
             slab_halvings: 6,
+            fallback: Fallback::SplitForm,
             start_layer: None,
             steady: None,
         }
@@ -97,6 +100,18 @@ pub enum Predictor {
     Extrapolate,
     /// Flow and mesh as at the end of the previous slab.
     Constant,
+}
+
+/// What a run does when a slab of the flow could not be solved after all halvings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Fallback {
+    /// It goes back to the start of the slab that had to be halved, and goes on from there to the end in a split form:
+    /// `flow.quadrature = "collocated_lobatto"` with `flow.volume_flux = "entropy"`. A warning says so. If that fails in the same slab,
+    /// the run stops.
+    SplitForm,
+    /// It stops.
+    None,
 }
 
 /// Pseudo-transient continuation of mesh and flow by one rule: the pseudo-time step grows as the residual falls.

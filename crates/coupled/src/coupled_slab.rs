@@ -183,7 +183,7 @@ impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
         Ok(Solved { newton: report, quality, jump, balance, z })
     }
 
-    fn finish(&mut self, state: &mut State, interval: Interval, rejected: usize, solved: Solved<M>) -> SlabReport<M> {
+    fn finish(&mut self, state: &mut State, interval: Interval, solved: Solved<M>) -> SlabReport<M> {
         let Solved { newton, quality, jump, balance, z } = solved;
         let system = &mut self.system;
         let dt = interval.end - interval.start;
@@ -201,7 +201,7 @@ impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
         state.past = Some(Past { interval, dt, bottom, u: Arc::new(u), v: Arc::new(v), bodies });
         let Balance { totals, fluxes } = balance;
         let counts = system.take_counts();
-        let (slab, eased) = (state.slab + 1, self.eased.take());
+        let (slab, rejected, eased) = (state.slab + 1, state.rejected, self.eased.take());
         SlabReport { slab, interval, rejected, eased, newton, counts, quality, jump, fluxes, totals }
     }
 

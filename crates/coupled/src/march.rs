@@ -17,8 +17,8 @@ pub trait SlabSolver {
     /// [`SlabError`]; the slab may then be tried again with another length.
     fn solve(&mut self, state: &State, interval: Interval) -> Result<Self::Solved, SlabError>;
 
-    /// Moves the fields of `state` to the top of the slab `interval`, after `rejected` attempts. The march updates time and number.
-    fn finish(&mut self, state: &mut State, interval: Interval, rejected: usize, solved: Self::Solved) -> Self::Report;
+    /// Moves the fields of `state` to the top of the slab `interval`. The march updates time and number.
+    fn finish(&mut self, state: &mut State, interval: Interval, solved: Self::Solved) -> Self::Report;
 
     /// The jump, which controls the length of slabs, and the number of nodes in time.
     fn jump(&self, _solved: &Self::Solved) -> (f64, usize) {
@@ -63,16 +63,26 @@ impl<S: SlabSolver> March<S> {
     /// # Errors
     /// [`MarchError`]; the state is then that of the last slab that succeeded.
     pub fn advance(&mut self) -> Result<S::Report, MarchError> {
-        let mut rejected = 0;
         loop {
-            let interval = self.schedule.pending(&mut self.state);
-            match self.solver.solve(&self.state, interval) {
-                Ok(solved) if self.repeats(interval, &solved) => {}
-                Ok(solved) => return Ok(self.accept(interval, rejected, solved)),
-                Err(source) => self.go_on(interval, source)?,
+            if let Some(report) = self.attempt()? {
+                return Ok(report);
             }
-            rejected += 1;
         }
+    }
+
+    /// Attempts to advance one slab. `None` if the attempt is rejected; the next one is easier.
+    ///
+    /// # Errors
+    /// [`MarchError`] if there is no easier one.
+    pub fn attempt(&mut self) -> Result<Option<S::Report>, MarchError> {
+        let interval = self.schedule.pending(&mut self.state);
+        match self.solver.solve(&self.state, interval) {
+            Ok(solved) if self.repeats(interval, &solved) => {}
+            Ok(solved) => return Ok(Some(self.accept(interval, solved))),
+            Err(source) => self.go_on(interval, source)?,
+        }
+        self.state.rejected += 1;
+        Ok(None)
     }
 
     /// Whether the slab is too long for its jump: the next attempt is shorter.
@@ -95,6 +105,10 @@ impl<S: SlabSolver> March<S> {
         let remedy = match easier {
             Some(done) => done,
             None if self.schedule.shorten(&mut self.state, interval, (times, self.max_halvings)) => {
+                // Nothing comes before the first slab to go back to.
+                if self.state.slab > 0 {
+                    self.state.failed.get_or_insert(interval);
+                }
                 "it is halved".into()
             }
             None => return Err(MarchError::new(&self.state, interval, source)),
@@ -105,9 +119,9 @@ impl<S: SlabSolver> March<S> {
     }
 
     /// Moves the state to the top of the slab.
-    fn accept(&mut self, interval: Interval, rejected: usize, solved: S::Solved) -> S::Report {
+    fn accept(&mut self, interval: Interval, solved: S::Solved) -> S::Report {
         let (jump, time_order) = self.solver.jump(&solved);
-        let report = self.solver.finish(&mut self.state, interval, rejected, solved);
+        let report = self.solver.finish(&mut self.state, interval, solved);
         self.state.finish(interval);
         self.schedule.adapt(&mut self.state, interval, jump, time_order);
         report

@@ -69,7 +69,7 @@ impl<const D: usize> SlabSolver for MeshAlone<D> {
         Ok(Solved { work, v })
     }
 
-    fn finish(&mut self, state: &mut State, interval: Interval, rejected: usize, solved: Solved) -> MeshReport {
+    fn finish(&mut self, state: &mut State, interval: Interval, solved: Solved) -> MeshReport {
         let (Solved { work, v }, bottom) = (solved, state.d.clone());
         let dt = interval.end - interval.start;
         let quality = self.mover.quality(&bottom, &v, interval);
@@ -80,6 +80,7 @@ impl<const D: usize> SlabSolver for MeshAlone<D> {
         }
         self.mover.slab_motion.displacement(dt, &bottom, &v, 1.0, &mut state.d);
         state.past = Some(Past { interval, dt, bottom, u: Arc::default(), v: Arc::new(v), bodies: Vec::new() });
-        MeshReport { slab: state.slab + 1, interval, rejected, work, quality, first_invalid, first_invalid_sampled }
+        let (slab, rejected) = (state.slab + 1, state.rejected);
+        MeshReport { slab, interval, rejected, work, quality, first_invalid, first_invalid_sampled }
     }
 }

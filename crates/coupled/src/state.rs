@@ -55,6 +55,10 @@ pub struct State {
     pub past: Option<Past>,
     /// Parts of the current slab that remain, the next one last.
     pub pending: Vec<Interval>,
+    /// The slab that could not be solved and is halved, until its end is reached. Never the first one.
+    pub failed: Option<Interval>,
+    /// Attempts at the next slab that were rejected.
+    pub rejected: usize,
     /// The length of the next slab, if it is adapted.
     pub step: f64,
     /// The age of the flow's frozen Jacobian.
@@ -74,6 +78,8 @@ impl State {
             bodies: Vec::new(),
             past: None,
             pending: Vec::new(),
+            failed: None,
+            rejected: 0,
             step: 0.0,
             reuse_policy: JacobianReusePolicy::default(),
         }
@@ -111,7 +117,9 @@ impl State {
     pub fn finish(&mut self, interval: Interval) {
         self.pending.pop();
         self.slab += 1;
+        self.rejected = 0;
         self.time = interval.end;
+        self.failed = self.failed.filter(|failed| failed.end > self.time);
         if self.pending.is_empty() {
             self.nominal += 1;
         }

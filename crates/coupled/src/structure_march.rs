@@ -150,13 +150,7 @@ impl<const D: usize> SlabSolver for StructureAlone<D> {
         Ok((report.map_err(SlabError::Structure)?, v))
     }
 
-    fn finish(
-        &mut self,
-        state: &mut State,
-        interval: Interval,
-        rejected: usize,
-        solved: Self::Solved,
-    ) -> StructureReport {
+    fn finish(&mut self, state: &mut State, interval: Interval, solved: Self::Solved) -> StructureReport {
         let ((dynamics, v), bottom) = (solved, state.d.clone());
         let dt = interval.end - interval.start;
         match &self.equations {
@@ -169,7 +163,8 @@ impl<const D: usize> SlabSolver for StructureAlone<D> {
         }
         state.past = Some(Past { interval, dt, bottom, u: Arc::default(), v: Arc::new(v), bodies: Vec::new() });
         let [kinetic_energy, strain_energy] = self.energies(state);
-        StructureReport { slab: state.slab + 1, interval, rejected, dynamics, kinetic_energy, strain_energy }
+        let (slab, rejected) = (state.slab + 1, state.rejected);
+        StructureReport { slab, interval, rejected, dynamics, kinetic_energy, strain_energy }
     }
 }
 

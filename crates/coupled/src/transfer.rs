@@ -68,6 +68,8 @@ impl State {
             past,
             determinants,
             pending: Vec::new(),
+            failed: None,
+            rejected: 0,
             reuse_policy: JacobianReusePolicy::default(),
             ..self.clone()
         }

@@ -36,6 +36,9 @@ pub struct Summary {
     /// The thickness of the boundary layer that the initial state was given at walls, if it was.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start_layer: Option<f64>,
+    /// The time from which the flow is solved in a split form, if a slab could not be solved without.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub split_form_since: Option<f64>,
     /// Time reached.
     pub time: f64,
     /// Newton steps.
@@ -405,6 +408,7 @@ mod tests {
             slabs: 3,
             rejected_slabs: 1,
             start_layer: Some(0.02),
+            split_form_since: Some(0.1),
             time: 0.3,
             newton: Some(Newton { total: 9, max: 4, per_slab: 3.0 }),
             krylov: Some(Krylov { total: 81, max_per_newton: 12, mean_per_newton: 9.0, elasticity_total: Some(40) }),
@@ -494,7 +498,7 @@ mod tests {
             "case": "box", "version": "0.1.0", "completed": false, "reason": "stopped by a signal",
             "mesh": { "dimension": 2, "cells": 16, "order": 4 },
             "unknowns": { "flow": 2048, "mesh": 676, "structure": 980 },
-            "slabs": 3, "rejected_slabs": 1, "start_layer": 0.02, "time": 0.3,
+            "slabs": 3, "rejected_slabs": 1, "start_layer": 0.02, "split_form_since": 0.1, "time": 0.3,
             "newton": { "total": 9, "max": 4, "per_slab": 3.0 },
             "krylov": { "total": 81, "max_per_newton": 12, "mean_per_newton": 9.0, "elasticity_total": 40 },
             "mesh_quality": { "det_j_lower_bound": 0.5, "det_j_sampled_min": 0.6, "scaled_jacobian_min": 0.7,

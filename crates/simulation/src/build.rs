@@ -7,8 +7,8 @@ use case::{
     Stiffness, Structure, StructureLaw, Support, Vector, constrained,
 };
 use coupled::{
-    BoundaryDisplacement, BoundaryField, Discretisation, Discretised, Equations, FlowMarch, MeshMotion, MeshMover,
-    Method, StartLayer, StructureMarch, Supports, System,
+    BoundaryDisplacement, BoundaryField, Discretisation, Discretised, Equations, FlowMarch, LaggedPreconditioner,
+    MeshMotion, MeshMover, Method, StartLayer, StructureMarch, Supports, System,
 };
 use elasticity::{
     Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, MaterialProperty, Partition, Pressure, Solid,
@@ -238,17 +238,54 @@ where
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
-    let mut operator = operator(case, flow, &mover, share);
+    let operator = operator(case, flow, &mover, share);
     let u = initial(case, flow, &operator, &mover);
-    let bodies = bodies(case, flow, &mover.numbering, &mut operator)?;
-    let mut problem = System::with_bodies(operator, mover, bodies);
-    problem.flow.preconditioner.method = method(case.preconditioner());
-    let mut march = FlowMarch::new(problem, u, settings(case));
+    let system = system(case, flow, mover, operator)?;
+    let mut march = FlowMarch::new(system, u, settings(case));
     // A given thickness stays, and a run that continues another one has its boundary layers.
     if case.solver.start_layer.is_none() && case.solver.steady.is_none() && case.restart.is_none() {
         march.solver.start_layer = start_layer(flow);
     }
     Ok(march)
+}
+
+/// The system of a slab: the flow of `operator`, the mesh, and what the flow moves.
+fn system<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    mover: MeshMover<D>,
+    mut operator: SlabOperator<D, M>,
+) -> Result<System<D, M>, ElasticityError> {
+    let bodies = bodies(case, flow, &mover.numbering, &mut operator)?;
+    let mut system = System::with_bodies(operator, mover, bodies);
+    system.flow.preconditioner.method = method(case.preconditioner());
+    Ok(system)
+}
+
+/// Replaces the discretisation of `march` by that of `flow`, which differs in quadrature and volume flux alone. The state stays.
+///
+/// # Errors
+/// As [`march`].
+pub fn discretise_anew<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    march: &mut FlowMarch<D, M>,
+) -> Result<(), ElasticityError>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let former = &mut march.solver.system;
+    // First, so that there are never two.
+    former.flow.preconditioner = LaggedPreconditioner::default();
+    let share = Share::clone(&former.flow.operator.share);
+    let still = MeshMover::new(MeshMotion::Still, case.mesh.clone(), former.mover().numbering.clone(), case.time.order);
+    // The motion of the mesh stays, with what its solver has factored.
+    let mover = std::mem::replace(&mut former.mesh.mover, still);
+    let operator = operator(case, flow, &mover, share);
+    march.solver.system = system(case, flow, mover, operator)?;
+    Ok(())
 }
 
 /// The flow at the start of a case, on the cells of `operator`.

@@ -16,6 +16,7 @@ pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> Solv
     let counters = [
         ("slab", state.slab),
         ("nominal", state.nominal),
+        ("rejected", state.rejected),
         ("reuse.base", state.reuse_policy.base),
         ("reuse.excess", state.reuse_policy.excess),
         ("reuse.slabs", state.reuse_policy.slabs),
@@ -30,6 +31,7 @@ pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> Solv
     put("displacement", state.d.clone());
     put("determinants", state.determinants.clone());
     put("pending", pending);
+    put("failed", state.failed.iter().flat_map(numbers).collect());
     put("step", vec![state.step]);
     state.bodies.iter().enumerate().for_each(|(body, stored)| put(&format!("body.{body}"), stored.clone()));
     if let Some(past) = &state.past {
@@ -60,6 +62,7 @@ pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Linearis
     let mut state = State {
         slab: integer("slab")?,
         nominal: integer("nominal")?,
+        rejected: integer("rejected").unwrap_or_default(),
         time: *array("time")?.first()?,
         u: array("flow")?,
         d: array("displacement")?,
@@ -67,6 +70,7 @@ pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Linearis
         bodies: bodies(&stored.arrays, "body"),
         past: past(&stored.arrays),
         pending: array("pending")?.chunks_exact(3).map(interval).collect(),
+        failed: array("failed").and_then(|failed| failed.chunks_exact(3).map(interval).next()),
         step: *array("step")?.first()?,
         reuse_policy: JacobianReusePolicy {
             base: integer("reuse.base")?,

@@ -1,6 +1,7 @@
 //! Data of a run besides its march: sums, clock, progress; and its end.
 
 use super::controls::Columns;
+use super::failure::Finding;
 use super::statistics::RunStatistics;
 use crate::clock::{self, CostClock};
 use crate::observer::{NextStep, Observer};
@@ -29,8 +30,8 @@ pub struct RunContext<'a> {
 pub enum Stop {
     /// The observer has asked for it: after a signal, for instance.
     Asked,
-    /// A slab could not be solved.
-    Failed(anyhow::Error),
+    /// A slab could not be solved. The findings about it, if they are known already.
+    Failed(anyhow::Error, Option<Box<Finding>>),
 }
 
 impl Stop {
@@ -38,7 +39,7 @@ impl Stop {
     pub fn reason(&self) -> String {
         match self {
             Stop::Asked => "stopped on request or by a signal; the run can be resumed".into(),
-            Stop::Failed(error) => coupled::chain(error.as_ref()),
+            Stop::Failed(error, _) => coupled::chain(error.as_ref()),
         }
     }
 }

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | build | make the march of their share |
 //! | restore | take their part of a state, and of what the preconditioner is made of |
-//! | advance | solve a slab; rank 0 receives the flow of all |
+//! | advance | attempt to solve a slab; rank 0 receives the flow of all |
 //! | store | send what the preconditioner is made of to rank 0 |
 //! | finish | end |
 //!
@@ -19,7 +19,7 @@ pub use agreement::agree;
 pub use orders::Orders;
 
 use super::memory_estimate::require_memory;
-use super::{Failure, build, checkpoint, controls};
+use super::{Failure, build, checkpoint, controls, fallback};
 use agreement::{digest, first_other};
 use case::{AnyCase, Case, Flow, State};
 use coupled::{FlowMarch, MeshMover, SlabReport};
@@ -31,6 +31,7 @@ use output::SolverState;
 use parts::{own_linearisation, own_state};
 use ranks::{Communicator, Sums};
 use rayon::ThreadPoolBuilder;
+use std::borrow::Cow;
 use std::mem::take;
 use std::num::NonZero;
 use std::sync::Arc;
@@ -89,25 +90,40 @@ where
         Ok((march, Some(Crew { state, operator, blocks, in_step: true, orders: orders.clone() })))
     }
 
-    /// Has all ranks take their parts of the state, and of a linearisation if there is one.
-    pub fn restore(&mut self, case: &Case<D>, stored: &SolverState, march: &mut FlowMarch<D, M>) {
+    /// Has all ranks take their parts of the state, and of a linearisation if there is one. A `flow` that the state has in a split form
+    /// becomes that one. `None` if this rank cannot take it.
+    pub fn restore(
+        &mut self,
+        case: &Case<D>,
+        flow: &mut Cow<'_, Flow<D>>,
+        stored: &SolverState,
+        march: &mut FlowMarch<D, M>,
+    ) -> Option<()> {
         self.orders.give(Order::Restore, Some(stored));
-        restore(case, stored, march);
+        if restore(case, flow, stored, march)? {
+            self.operator = build::measuring_operator::<D, M>(case, flow, &march.solver.system.mesh.mover);
+        }
         self.in_step = true;
+        Some(())
     }
 
-    /// Has all ranks solve the next slab.
+    /// Has all ranks attempt the next slab.
     ///
     /// # Errors
-    /// As [`coupled::March::advance`], alike on all ranks; other bits of the mesh on another rank.
-    pub fn advance(&mut self, case: &Case<D>, march: &mut FlowMarch<D, M>) -> anyhow::Result<SlabReport<M>> {
+    /// As [`coupled::March::attempt`], alike on all ranks; other bits of the mesh on another rank.
+    pub fn advance(
+        &mut self,
+        case: &Case<D>,
+        flow: &mut Cow<'_, Flow<D>>,
+        march: &mut FlowMarch<D, M>,
+    ) -> anyhow::Result<Option<SlabReport<M>>> {
         if !self.in_step {
             let stored = checkpoint::store(&self.state, None, false);
-            self.restore(case, &stored, march);
+            self.restore(case, flow, &stored, march);
         }
         self.orders.give(Order::Advance, controls::told(case).as_ref());
         let report = advance(march);
-        if report.is_ok() {
+        if matches!(report, Ok(Some(_))) {
             parts::join_state(march, &mut self.state);
         } else {
             let coupled::State { u, past, determinants, .. } = &mut self.state;
@@ -161,12 +177,12 @@ pub fn look_at_last_slab<const D: usize, const M: usize>(operator: &mut SlabOper
     }
 }
 
-/// Solves a slab. A collective call.
+/// Attempts to solve a slab. A collective call.
 ///
 /// # Errors
 /// That of the slab; a rank whose mesh, bodies or times have other bits than those of rank 0.
-fn advance<const D: usize, const M: usize>(march: &mut FlowMarch<D, M>) -> anyhow::Result<SlabReport<M>> {
-    let report = march.advance()?;
+fn advance<const D: usize, const M: usize>(march: &mut FlowMarch<D, M>) -> anyhow::Result<Option<SlabReport<M>>> {
+    let report = march.attempt()?;
     let state = &march.state;
     let bodies = state.bodies.iter().flatten();
     let numbers = [state.time, state.step].into_iter().chain(state.d.iter().chain(bodies).copied());
@@ -217,9 +233,21 @@ where
     Ok(build::march_of(case, flow, mover, Share::new(&case.mesh, &blocks(case)?, sums))?)
 }
 
-/// Takes the own part of a stored state.
-fn restore<const D: usize, const M: usize>(case: &Case<D>, stored: &SolverState, march: &mut FlowMarch<D, M>) {
-    let Some((state, frozen, stale)) = checkpoint::load(stored, &case.time) else { return };
+/// Takes the own part of a stored state. Returns whether that has the flow in a split form for the first time.
+fn restore<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &mut Cow<'_, Flow<D>>,
+    stored: &SolverState,
+    march: &mut FlowMarch<D, M>,
+) -> Option<bool>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let is_other_form = fallback::follow(case, flow, march, stored).ok()?;
+    let (state, frozen, stale) = checkpoint::load(stored, &case.time)?;
     // The stages of another partition may join neighbours.
     let frozen = frozen.filter(|_| stored.integers.get(BLOCKS) == Some(&(case.blocks as i64)));
     let share = march.solver.system.flow.operator.share.clone();
@@ -228,6 +256,7 @@ fn restore<const D: usize, const M: usize>(case: &Case<D>, stored: &SolverState,
         march.solver.system.rebuild(own_linearisation(frozen, &share));
     }
     march.solver.system.flow.preconditioner.stale = stale;
+    Some(is_other_form)
 }
 
 /// Executes the orders of rank 0, until it orders to finish.
@@ -245,21 +274,23 @@ where
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
+    let Some(flow) = &case.flow else { return };
+    let mut flow = Cow::Borrowed(flow);
     let mut own: Option<FlowMarch<D, M>> = None;
     loop {
         let (order, state) = orders::receive(&**communicator);
         match (order, &mut own) {
             (Order::Finish, _) => return,
             // An error is that of all ranks; rank 0 tells it.
-            (Order::Build, _) => own = case.flow.as_ref().and_then(|flow| march(case, flow, communicator).ok()),
+            (Order::Build, _) => own = march(case, &flow, communicator).ok(),
             (Order::Restore, Some(march)) => {
                 let stored = orders::decode(&state);
                 controls::set_for_preconditioner(case, Some(&stored));
-                restore(case, &stored, march);
+                restore(case, &mut flow, &stored, march);
             }
             (Order::Advance, Some(march)) => {
                 controls::hear(case, &orders::decode(&state));
-                if advance(march).is_ok() {
+                if matches!(advance(march), Ok(Some(_))) {
                     parts::join_state(march, &mut coupled::State::new(0.0, Vec::new(), Vec::new()));
                 }
             }

@@ -1,5 +1,7 @@
 //! A run, slab by slab: the same for flow, mesh and structure.
 
+mod fall_back;
+
 use super::checkpoint;
 use super::context::{RunContext, Stop};
 use super::controls;
@@ -20,6 +22,7 @@ use crate::session::Session;
 use case::rounded_time;
 use case::{AnyCase, Case, State};
 use coupled::Past;
+use fall_back::{fall_back, is_held};
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use output::{ArraySpec, OutputError, SolverState, Summary};
@@ -113,8 +116,21 @@ pub(super) trait Run {
     fn state(&self) -> &coupled::State;
     /// Whether the end has been reached.
     fn is_done(&self) -> bool;
-    /// Advances one slab.
-    fn advance(&mut self) -> anyhow::Result<Self::Report>;
+    /// Attempts to advance one slab; `None` if the attempt is rejected and the next one is easier.
+    fn advance(&mut self) -> anyhow::Result<Option<Self::Report>>;
+    /// Whether there is a more robust way to go on.
+    fn can_fall_back(&self) -> bool {
+        false
+    }
+    /// Whether the run goes on in it after this `error`.
+    fn falls_back_after(&self, _error: &anyhow::Error) -> bool {
+        false
+    }
+    /// Goes back to `stored`, the checkpoint before the slab that could not be solved, and on from there in the more robust way. `None` if
+    /// something is missing in the checkpoint.
+    fn fall_back(&mut self, _stored: SolverState, _context: &mut RunContext) -> Option<()> {
+        None
+    }
     /// Velocities and flow at the start, at every time node, laid out like those of a slab.
     fn slab_at_start(&self) -> [Vec<f64>; 2];
     /// Prepares and records the start of the run; returns its row of history.csv, if it has one.
@@ -204,7 +220,9 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
         None => run_slabs(case, &mut run, &mut recorder, &mut context, &session)?,
         stop => stop,
     };
-    recorder.checkpoint(run.store(), &context.statistics)?;
+    if !is_held(&run) || matches!(stop, Some(Stop::Failed(..))) {
+        recorder.checkpoint(run.store(), &context.statistics)?;
+    }
     observer.finish();
     let summary = run.summary(&context, stop.as_ref());
     summary.write(&session.directory)?;
@@ -216,8 +234,9 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
             context.say_stopped(run.state().time, &again);
             Err(Failure::Stopped)
         }
-        Some(Stop::Failed(error)) => {
-            Err(explained(&run, error, &context.statistics, &case.about.name, &session, &again))
+        Some(Stop::Failed(error, finding)) => {
+            let finding = finding.map_or_else(|| run.examine(&error, &context.statistics), |finding| *finding);
+            Err(explained(&run, error, &finding, &case.about.name, &session, &again))
         }
         None => run.judge(&context, &session).map(|()| summary),
     }
@@ -227,7 +246,7 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
 fn explained(
     run: &impl Run,
     error: anyhow::Error,
-    statistics: &RunStatistics,
+    finding: &Finding,
     case: &str,
     session: &Session,
     again: &str,
@@ -236,7 +255,7 @@ fn explained(
     let time = rounded_time(state.time);
     let message = format!("the run stopped at t = {time}; the state then is in {}", directory.display());
     let report = FailureReport { case, error: &error, time, slabs: state.slab, again: Some(again) };
-    let hint = failure::tell(directory, &run.examine(&error, statistics), &report);
+    let hint = failure::tell(directory, finding, &report);
     Failure::solve(error.context(message + &hint))
 }
 
@@ -249,7 +268,7 @@ fn begin<const D: usize, const M: usize>(
 ) -> Result<Option<Stop>, Failure> {
     let row = match run.open(context) {
         Ok(row) => row,
-        Err(error) => return Ok(Some(Stop::Failed(error))),
+        Err(error) => return Ok(Some(Stop::Failed(error, None))),
     };
     let (velocities, flow) = match &run.state().past {
         Some(past) => (past.v.clone(), past.u.clone()),
@@ -303,13 +322,23 @@ fn run_slabs<const D: usize, const M: usize>(
     context: &mut RunContext,
     session: &Session,
 ) -> Result<Option<Stop>, Failure> {
+    let mut given_up = None;
     while !run.is_done() {
         if session.observer.is_stop_requested() {
             return Ok(Some(Stop::Asked));
         }
+        let was_held = is_held(run);
         match run.advance() {
-            Ok(report) => finish_slab(case, run, &report, recorder, context, session.directory.path())?,
-            Err(error) => return Ok(Some(Stop::Failed(error))),
+            Ok(Some(report)) => {
+                given_up = None;
+                finish_slab(case, run, &report, recorder, context, session.directory.path())?;
+            }
+            Ok(None) if is_held(run) && !was_held => recorder.checkpoint(run.store(), &context.statistics)?,
+            Ok(None) => {}
+            Err(error) if run.falls_back_after(&error) => {
+                given_up = Some(fall_back(case, run, recorder, context, (session, error))?);
+            }
+            Err(error) => return Ok(Some(given_up.unwrap_or(Stop::Failed(error, None)))),
         }
     }
     Ok(None)
@@ -340,7 +369,7 @@ fn finish_slab<const D: usize, const M: usize, R: Run>(
     }
     run.cut(directory, run.is_done())?;
     context.observer.state(&recorder.tell(&row, run.state()));
-    if recorder.is_checkpoint_due() {
+    if recorder.is_checkpoint_due() && !is_held(run) {
         recorder.checkpoint(run.store(), &context.statistics)?;
     }
     Ok(())

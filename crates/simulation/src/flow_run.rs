@@ -17,17 +17,19 @@ use super::record::{MeshView, top};
 use super::statistics::RunStatistics;
 use super::surfaces::{self, SurfaceFlow};
 use super::walls::wall_loads;
-use super::{checkpoint, controls, cuts, history, restart, summary};
+use super::{checkpoint, controls, cuts, fallback, history, restart, summary};
 use crate::destination::Destination;
 use crate::error::Failure;
 use crate::observer::{Observer, SlabDone};
 use crate::session::Session;
+use basis::Rule;
 use case::{Averages, Case, Flow, State};
 use coupled::block::BodyState;
-use coupled::{FlowMarch, SlabReport};
+use coupled::{FlowMarch, MarchError, SlabError, SlabReport};
 use fem::{SlabOperator, StateField};
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use output::{ArraySpec, OutputError, RESULT_FILE, ResultReader, Series, SolverState, Summary};
+use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -59,16 +61,20 @@ where
     let call = Call { destination, observer, begun, origin: origin.as_ref() };
     let mover = &march.solver.system.mesh.mover;
     let mesh = Arc::new(MeshView::new(&mover.reference, &mover.numbering));
-    drive::<D, M, _>(case, FlowRun { case, flow, march, crew }, &mesh, call)
+    let (flow, surface_rule) = (Cow::Borrowed(flow), march.solver.system.flow.operator.tables.rule.clone());
+    drive::<D, M, _>(case, FlowRun { case, flow, march, crew, surface_rule }, &mesh, call)
 }
 
 struct FlowRun<'a, const D: usize, const M: usize> {
     case: &'a Case<D>,
-    flow: &'a Flow<D>,
+    /// In a split form, once a slab could not be solved without.
+    flow: Cow<'a, Flow<D>>,
     /// Of all cells, or of the share of this rank.
     march: FlowMarch<D, M>,
     /// The whole flow, where the mesh is cut into blocks.
     crew: Option<Crew<D, M>>,
+    /// The points of distributions along walls: those of the quadrature at the start, also after a change to a split form.
+    surface_rule: Rule,
 }
 
 impl<const D: usize, const M: usize> FlowRun<'_, D, M>
@@ -93,7 +99,7 @@ where
     fn at_points(&self) -> FlowAtPoints<'_, D> {
         let (state, mover) = (self.state(), &self.march.solver.system.mesh.mover);
         FlowAtPoints {
-            flow: self.flow,
+            flow: &self.flow,
             formulas: &self.case.observed.formulas,
             mover,
             displacement: &state.d,
@@ -117,7 +123,7 @@ where
         };
         let velocity = state.past.as_ref().map_or(&[][..], |past| top(&past.v, &state.d));
         let motion = [&state.d[..], velocity];
-        let at_openings = OpeningStates { flow: self.flow, mover, motion, state: &|cell| &state.u[one.cell(cell)] };
+        let at_openings = OpeningStates { flow: &self.flow, mover, motion, state: &|cell| &state.u[one.cell(cell)] };
         let (at_openings, at_points) = (at_openings.row::<M>(), self.at_points().row::<M>(&self.case.observed.probes));
         [at_openings, at_points, integrals.values::<M>(&self.case.output.integrals)].concat()
     }
@@ -137,7 +143,7 @@ where
             velocity: state.past.as_ref().map_or(&still[..], |past| top(&past.v, &state.d)),
             state: &|cell, _| by_point(&grid.sampler.state(&state.u[one.cell(cell)])),
         };
-        let seen = openings::measure(self.flow, &mover.reference, &grid, &then);
+        let seen = openings::measure(&self.flow, &mover.reference, &grid, &then);
         for record in openings::enter(&mut context.statistics.openings, &seen, state.time) {
             let name = &self.case.mesh.boundary_names()[record.now.boundary];
             context.observer.say(&format!("warning: {}; {}", record.told(name), record.now.misuse.remedy(name)));
@@ -186,7 +192,7 @@ where
             return Ok(());
         }
         let reader = ResultReader::open(&directory.join(RESULT_FILE))?;
-        let (order, rule) = (self.flow.order, &self.operator().tables.rule);
+        let (order, rule) = (self.flow.order, &self.surface_rule);
         for (array, values) in present {
             let stored = reader.series(&array.name)?.filter(|series| series.array == array);
             let mut series = stored.unwrap_or_else(|| Series { array, times: Vec::new(), values: Vec::new() });
@@ -219,11 +225,29 @@ where
     fn is_done(&self) -> bool {
         self.march.is_done()
     }
-    fn advance(&mut self) -> anyhow::Result<SlabReport<M>> {
+    fn advance(&mut self) -> anyhow::Result<Option<SlabReport<M>>> {
         Ok(match &mut self.crew {
-            None => self.march.advance()?,
-            Some(crew) => crew.advance(self.case, &mut self.march)?,
+            None => self.march.attempt()?,
+            Some(crew) => crew.advance(self.case, &mut self.flow, &mut self.march)?,
         })
+    }
+    fn can_fall_back(&self) -> bool {
+        fallback::split_form(self.case, &self.flow).is_some()
+    }
+    fn falls_back_after(&self, error: &anyhow::Error) -> bool {
+        let cause = error.downcast_ref::<MarchError>().map(|error| &error.source);
+        let is_of_flow = cause.is_some_and(|cause| cause.is_of_flow() || matches!(cause, SlabError::Guess(_)));
+        is_of_flow && self.state().slab > 0 && self.can_fall_back()
+    }
+    fn fall_back(&mut self, stored: SolverState, context: &mut RunContext) -> Option<()> {
+        self.restore(&fallback::in_split_form(stored))?;
+        let (d, time) = (self.state().d.clone(), self.state().time);
+        let operator =
+            self.crew.as_mut().map_or(&mut self.march.solver.system.flow.operator, |crew| &mut crew.operator);
+        operator.mesh.set_bottom(Some(&d));
+        context.statistics.split_form_since = Some(time);
+        context.statistics.rebase(coupled::totals(self.operator(), &self.state().u));
+        Some(())
     }
 
     fn slab_at_start(&self) -> [Vec<f64>; 2] {
@@ -254,7 +278,7 @@ where
     }
 
     fn enter(&self, report: &SlabReport<M>, context: &mut RunContext) -> Vec<f64> {
-        let loads = wall_loads(self.flow, report);
+        let loads = wall_loads(&self.flow, report);
         context.statistics.add(report, &loads);
         self.observe(context);
         context.observer.slab(&SlabDone {
@@ -267,7 +291,7 @@ where
         let bodies = self.march.bodies();
         self.average(&mut context.statistics.averages);
         context.statistics.add_bodies::<D, M>(&bodies, self.state().time, &report.totals, &self.walls_of_bodies());
-        let row = history::row(self.flow, report, &loads, &bodies, &context.statistics);
+        let row = history::row(&self.flow, report, &loads, &bodies, &context.statistics);
         [row, self.observed()].concat()
     }
 
@@ -286,10 +310,11 @@ where
             return None;
         }
         if let Some(crew) = &mut self.crew {
-            crew.restore(self.case, stored, march);
+            crew.restore(self.case, &mut self.flow, stored, march)?;
             crew.state = state;
             return Some(());
         }
+        fallback::follow(self.case, &mut self.flow, march, stored).ok()?;
         march.state = state;
         if let Some(frozen) = frozen {
             march.solver.system.rebuild(frozen);
@@ -308,11 +333,11 @@ where
             None => {}
         }
         let whole = summary::WholeFlow { operator: self.operator(), state: self.state(), march: &self.march };
-        summary::of_flow(self.case, self.flow, &whole, context, stop)
+        summary::of_flow(self.case, &self.flow, &whole, context, stop)
     }
 
     fn examine(&self, error: &anyhow::Error, statistics: &RunStatistics) -> Finding {
-        Failed::new((self.case, self.flow), &self.march, self.state(), error, &statistics.openings).examine()
+        Failed::new((self.case, &self.flow), &self.march, self.state(), error, &statistics.openings).examine()
     }
 
     fn cut(&self, directory: &Path, at_end: bool) -> Result<(), OutputError> {
@@ -330,13 +355,13 @@ where
         let (state, one) = (self.state(), operator.layout.at_one_time());
         let still = vec![0.0; state.d.len()];
         let surfaces = SurfaceFlow {
-            flow: self.flow,
+            flow: &self.flow,
             time: state.time,
             mover: &self.march.solver.system.mesh.mover,
             displacement: &state.d,
             velocity: state.past.as_ref().map_or(&still[..], |past| top(&past.v, &state.d)),
             state: &|cell| &state.u[one.cell(cell)],
-            rule: &operator.tables.rule,
+            rule: &self.surface_rule,
         };
         let wanted = |wall: &&case::Wall<D>| self.case.output.surfaces.contains(&wall.name);
         self.flow.walls.iter().filter(wanted).map(|wall| surfaces.of_wall::<M>(wall)).collect()

@@ -147,6 +147,7 @@ mod drive;
 mod elastic_body;
 mod error;
 mod failure;
+mod fallback;
 mod flow_run;
 mod history;
 mod integrals;

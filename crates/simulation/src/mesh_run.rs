@@ -63,14 +63,14 @@ impl<const D: usize> Run for MeshRun<'_, D> {
     fn is_done(&self) -> bool {
         self.march.is_done()
     }
-    fn advance(&mut self) -> anyhow::Result<MeshReport> {
+    fn advance(&mut self) -> anyhow::Result<Option<MeshReport>> {
         let report = self.march.advance()?;
         if report.first_invalid.is_some() && self.inverted.is_none() {
             let (start, slabs, march) = (report.interval.start, report.slab - 1, &self.march);
             let finding = examine_inverted(self.case, &march.solver.mover, &march.state, &report);
             self.inverted = finding.map(|finding| Inverted { finding, start, slabs });
         }
-        Ok(report)
+        Ok(Some(report))
     }
     fn slab_at_start(&self) -> [Vec<f64>; 2] {
         [vec![0.0; self.march.state.d.len() * self.case.time.order], Vec::new()]

@@ -185,6 +185,19 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         Ok((recorder, stored))
     }
 
+    /// Drops what was written after the last checkpoint, and returns that.
+    ///
+    /// # Errors
+    /// Files that cannot be read or written.
+    pub fn go_back(&mut self, session: &Session<'_>) -> Result<SolverState, Failure> {
+        let (result, stored) = ResultFile::resume(&session.directory, &metadata(self.case, &self.mesh), |_, _| Ok(()))?;
+        self.result = result;
+        let rows = stored.arrays.get("history").map_or(&[][..], Vec::as_slice);
+        self.history = History::create(&session.directory, &self.told.columns, rows)?;
+        self.slabs_since_checkpoint = 0;
+        Ok(stored)
+    }
+
     /// The case of the run.
     pub fn case(&self) -> &'a Case<D> {
         self.case

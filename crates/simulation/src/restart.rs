@@ -3,7 +3,7 @@
 use super::history::columns;
 use super::statistics::RunStatistics;
 use super::walls::numbers_per_wall;
-use super::{bodies, checkpoint, motion_jump};
+use super::{bodies, checkpoint, fallback, motion_jump};
 use crate::error::Failure;
 use case::{AllowedChange, Case, Flow, Time, gas_of, motion_of, reference_pressure_of};
 use coupled::block::BodyState;
@@ -319,7 +319,8 @@ impl Origin {
         if !len("history").is_multiple_of(width) {
             return Err(self.differs("columns of the history", "others", width.to_string()));
         }
-        let kept = |name: &str| name == "history" || name.starts_with("statistics.");
+        // This run has its own quadrature and volume flux.
+        let kept = |name: &str| name == "history" || (name.starts_with("statistics.") && name != fallback::SINCE);
         let arrays = self.stored.arrays.iter().filter(|(name, _)| kept(name));
         Ok(arrays.map(|(name, values)| (name.clone(), values.clone())).collect())
     }
@@ -339,6 +340,7 @@ impl Origin {
         if state.pending.first().is_some_and(|last| (last.end - end).abs() > round_off) {
             state.pending.clear();
         }
+        (state.failed, state.rejected) = (None, 0);
         Ok(())
     }
 

@@ -2,6 +2,7 @@
 
 use super::averages::AverageSums;
 use super::body_record::BodyRecord;
+use super::fallback;
 use super::openings::Record;
 use super::walls::{WallLoads, numbers_per_wall, to_numbers};
 use coupled::block::BodyState;
@@ -39,6 +40,8 @@ pub struct RunStatistics {
     pub totals_at_start: Vec<f64>,
     /// The thickness of the layer at walls that was added to the initial state, if there is one.
     pub start_layer: Option<f64>,
+    /// The time from which the flow is solved in a split form, because a slab could not be solved without.
+    pub split_form_since: Option<f64>,
     /// The amount that has left through all boundaries, per component.
     pub left: Vec<f64>,
     /// Impulses, work and heat of every wall, as numbers.
@@ -253,6 +256,11 @@ impl RunStatistics {
         (totals[component] + at(&self.left).unwrap_or(0.0) - start) / start
     }
 
+    /// Begins the balances anew with the integrals `totals`: another quadrature measures other integrals of the same flow.
+    pub fn rebase(&mut self, totals: Vec<f64>) {
+        self.totals_at_start = totals.iter().zip(&self.left).map(|(total, left)| total + left).collect();
+    }
+
     /// As named numbers.
     pub fn to_arrays(&self) -> BTreeMap<String, Vec<f64>> {
         let counts = [
@@ -278,6 +286,7 @@ impl RunStatistics {
             ("statistics.first_invalid_sampled".into(), self.first_invalid_sampled.into_iter().collect()),
             ("statistics.totals_at_start".into(), self.totals_at_start.clone()),
             ("statistics.start_layer".into(), self.start_layer.into_iter().collect()),
+            (fallback::SINCE.into(), self.split_form_since.into_iter().collect()),
             ("statistics.left".into(), self.left.clone()),
             ("statistics.controls".into(), self.controls.clone()),
             ("statistics.controls_of_preconditioner".into(), self.controls_of_preconditioner.clone()),
@@ -325,6 +334,7 @@ impl RunStatistics {
             first_invalid_sampled: get("first_invalid_sampled")?.first().copied(),
             totals_at_start: get("totals_at_start")?.clone(),
             start_layer: get("start_layer").and_then(|layer| layer.first().copied()),
+            split_form_since: fallback::since(arrays),
             left: get("left")?.clone(),
             impulses: by_wall(get("impulses")?, walls),
             forces: by_wall(get("forces")?, walls),

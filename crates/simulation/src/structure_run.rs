@@ -104,8 +104,8 @@ impl<const D: usize> Run for StructureRun<'_, D> {
     fn is_done(&self) -> bool {
         self.march.is_done()
     }
-    fn advance(&mut self) -> anyhow::Result<StructureReport> {
-        self.march.advance().map_err(|error| match error.source {
+    fn advance(&mut self) -> anyhow::Result<Option<StructureReport>> {
+        self.march.advance().map(Some).map_err(|error| match error.source {
             // The cause alone: the slab is told beside it.
             SlabError::Structure(source) => source.into(),
             _ => error.into(),

@@ -305,6 +305,7 @@ fn common<const D: usize>(
         slabs: state.slab as u64,
         rejected_slabs: context.statistics.rejected,
         start_layer: context.statistics.start_layer,
+        split_form_since: context.statistics.split_form_since,
         time: state.time,
         machine: Some(context::machine()),
         cost: context.cost(),

@@ -127,6 +127,7 @@ const FAULTS: [Fault; 16] = [
             "flow.initial.expression={density=\"if(x<5,1,0.1)\",velocity=[0,0],pressure=\"if(x<5,1,0.1)\"}",
             "flow.boundary.others=\"slip_wall\"",
             "motion.boundary.others=\"fixed\"",
+            "solver.fallback=\"none\"",
         ],
         cause: "steep_initial_state",
     },

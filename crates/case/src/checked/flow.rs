@@ -58,6 +58,15 @@ impl<const D: usize> Flow<D> {
     pub fn conserves_mass(&self) -> bool {
         self.source.is_none() || self.law.source.is_force()
     }
+    /// This flow in a split form, which stays alive where `mesh` does not resolve it. None if it has a split form, or `mesh` does not
+    /// allow one.
+    pub fn in_split_form(&self, mesh: &Mesh<D>) -> Option<Self> {
+        if self.law.volume_flux != VolumeFlux::Central {
+            return None;
+        }
+        let (quadrature, volume_flux) = quadrature::split_form(mesh, self.order)?;
+        Some(Flow { quadrature, law: NavierStokes { volume_flux, ..self.law }, ..self.clone() })
+    }
     /// The controls of its boundary conditions.
     pub(super) fn controls(&self) -> impl Iterator<Item = &Control> {
         self.boundary.iter().filter_map(|data| data.control.as_ref())

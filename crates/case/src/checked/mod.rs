@@ -35,8 +35,8 @@ mod time;
 mod walls;
 
 pub use super::raw::{
-    AllowedChange, Analysis, Average, Damping, Field, Integral, Jacobian, Plane, Preconditioner, Predictor, PseudoTime,
-    Solver, Steady, SteadyBodies, StructureLaw,
+    AllowedChange, Analysis, Average, Damping, Fallback, Field, Integral, Jacobian, Plane, Preconditioner, Predictor,
+    PseudoTime, Solver, Steady, SteadyBodies, StructureLaw,
 };
 pub use averages::{Averages, Phases};
 pub use bodies::{FollowingMesh, Freedom, RigidBody};

@@ -28,7 +28,7 @@ pub(super) fn check<const D: usize>(
             Quadrature::Points(points)
         }
     };
-    if matches!(quadrature, Quadrature::Collocated(_)) && (2..mesh.order()).contains(&order) {
+    if matches!(quadrature, Quadrature::Collocated(_)) {
         check_interpolated(checker, key, mesh, order)?;
     }
     Ok(quadrature)
@@ -36,18 +36,32 @@ pub(super) fn check<const D: usize>(
 
 /// Collocated rules interpolate the mesh at the nodes of the flow. A lower order may turn curved cells inside out.
 fn check_interpolated<const D: usize>(checker: &Checker<'_>, key: &Key, mesh: &Mesh<D>, order: usize) -> Checked<()> {
+    let Some(cell) = inverted_by_interpolation(mesh, order) else { return Ok(()) };
+    let problem = format!(
+        "collocated points interpolate the mesh, of order {}, with the order {order} of the flow, which turns cell {cell} inside out",
+        mesh.order()
+    );
+    Err(checker.combination(key, &problem, "`flow.order` up to the order of the mesh or more, or \"conserving\""))
+}
+
+/// The first cell of `mesh` that interpolation with polynomials of `order` turns inside out.
+fn inverted_by_interpolation<const D: usize>(mesh: &Mesh<D>, order: usize) -> Option<usize> {
+    if !(2..mesh.order()).contains(&order) {
+        return None;
+    }
     let nodes = gauss_lobatto(order).points;
     let (of_mesh, of_flow) = (CellMap::<D>::on_grid(mesh.order(), &nodes), CellMap::<D>::on_grid(order, &nodes));
     let is_inverted = |cell: &usize| {
         let interpolated = of_mesh.positions(mesh.cell_coordinates(*cell)).concat();
         of_flow.determinants(&interpolated).iter().any(|det| det.is_nan() || *det <= 0.0)
     };
-    let Some(cell) = (0..mesh.n_cells()).find(is_inverted) else { return Ok(()) };
-    let problem = format!(
-        "collocated points interpolate the mesh, of order {}, with the order {order} of the flow, which turns cell {cell} inside out",
-        mesh.order()
-    );
-    Err(checker.combination(key, &problem, "`flow.order` up to the order of the mesh or more, or \"conserving\""))
+    (0..mesh.n_cells()).find(is_inverted)
+}
+
+/// The points and the flux of a split form for a flow of `order` on `mesh`; None if the mesh does not allow it.
+pub(super) fn split_form<const D: usize>(mesh: &Mesh<D>, order: usize) -> Option<(Quadrature, VolumeFlux)> {
+    let points = Quadrature::Collocated(PointFamily::Lobatto);
+    inverted_by_interpolation(mesh, order).is_none().then_some((points, VolumeFlux::Entropy))
 }
 
 /// Checks `flow.volume_flux`: split forms need points that are the nodes.

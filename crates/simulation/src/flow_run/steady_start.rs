@@ -35,7 +35,7 @@ where
         steady: &Steady,
         context: &mut RunContext,
     ) -> anyhow::Result<Vec<f64>> {
-        let (case, flow) = (self.case, self.flow);
+        let (case, flow): (_, &Flow<D>) = (self.case, &self.flow.clone());
         let ranks = self.crew.as_ref().map_or(1, Crew::ranks);
         let state = self.crew.as_mut().map_or(&mut self.march.state, |crew| {
             crew.in_step = false;
@@ -60,7 +60,7 @@ where
         if steady.bodies == SteadyBodies::Equilibrium {
             self.release_bodies(steady, context, &mut found)?;
         }
-        let loads = wall_loads(self.flow, &found.report);
+        let loads = wall_loads(&self.flow, &found.report);
         context.statistics.start_from_steady(&found, &loads);
         let SteadyFlow { report, reliability, .. } = found;
         if let Some(warning) = warning(&reliability) {
@@ -70,7 +70,7 @@ where
         self.observe(context);
         context.observer.say(&format!("steady flow: {:.1} s", context.seconds()));
         context.observer.begin_slabs();
-        let row = history::row(self.flow, &report, &loads, &self.march.bodies(), &context.statistics);
+        let row = history::row(&self.flow, &report, &loads, &self.march.bodies(), &context.statistics);
         Ok([row, self.observed()].concat())
     }
 
@@ -81,7 +81,7 @@ where
         context: &RunContext,
         found: &mut SteadyFlow<M>,
     ) -> anyhow::Result<()> {
-        let (case, flow) = (self.case, self.flow);
+        let (case, flow): (_, &Flow<D>) = (self.case, &self.flow.clone());
         let step = FIRST_SLAB * flow.reference_length / flow.reference_speed;
         let time = Time { order: 1, step, control: None, ..case.time };
         let mut march = build::march::<D, M>(&Case { time, ..case.clone() }, flow)?;

@@ -1,0 +1,41 @@
+//! How a run goes on in a more robust way, see [`crate::fallback`].
+
+use super::{Run, restore};
+use crate::checkpoint;
+use crate::context::{RunContext, Stop};
+use crate::cuts::{self, Reached};
+use crate::error::Failure;
+use crate::record::Recorder;
+use crate::session::Session;
+use case::{Case, rounded_time};
+
+/// Whether the last checkpoint stays, because the run may go back to it: that before the slab that is halved.
+pub(super) fn is_held(run: &impl Run) -> bool {
+    run.state().failed.is_some() && run.can_fall_back()
+}
+
+/// Goes back to the checkpoint before the slab that could not be solved because of `error`, and on in a more robust way. Returns why the
+/// run stops if that fails in the same slab.
+pub(super) fn fall_back<const D: usize, const M: usize>(
+    case: &Case<D>,
+    run: &mut impl Run,
+    recorder: &mut Recorder<D, M>,
+    context: &mut RunContext,
+    (session, error): (&Session, anyhow::Error),
+) -> Result<Stop, Failure> {
+    let finding = run.examine(&error, &context.statistics);
+    if !is_held(run) {
+        recorder.checkpoint(run.store(), &context.statistics)?;
+    }
+    let stored = recorder.go_back(session)?;
+    context.statistics = restore(run, Some(&stored), case)?;
+    run.fall_back(stored, context).ok_or_else(checkpoint::incomplete)?;
+    let coupled::State { time, slab: slabs, .. } = *run.state();
+    cuts::begin(case, session.directory.path(), Some(Reached { time, slabs, is_end: false }))?;
+    let (time, cause) = (rounded_time(time), coupled::chain(error.as_ref()));
+    session.observer.say(&format!(
+        "warning: {cause}; the mesh does not resolve the flow, so the run goes on from t = {time} in a split form, with the nodes as points of \
+         quadrature (`solver.fallback`)"
+    ));
+    Ok(Stop::Failed(error, Some(Box::new(finding))))
+}

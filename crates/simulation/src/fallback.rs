@@ -1,0 +1,64 @@
+//! What a run does when a slab of the flow could not be solved after all halvings: it goes on in a split form.
+//!
+//! 1. Before the first half of a slab that could not be solved, the run writes a checkpoint, and no other one until that slab is done.
+//! 2. If no half can be solved either, it goes back to this checkpoint. What was written since is dropped.
+//! 3. It solves the same slab in a split form, and so all that follow. The checkpoints say so, for runs that are resumed.
+//!
+//! The state before the halvings matters: in our tests a flow that had gone on by short slabs was lost in any form.
+
+use super::build;
+use case::{Case, Fallback, Flow, State};
+use coupled::FlowMarch;
+use elasticity::ElasticityError;
+use fem::StateField;
+use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use output::SolverState;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+/// The array of a checkpoint with the time from which the flow is in a split form.
+pub const SINCE: &str = "statistics.split_form_since";
+
+/// The time from which the flow of a checkpoint is in a split form.
+pub fn since(arrays: &BTreeMap<String, Vec<f64>>) -> Option<f64> {
+    arrays.get(SINCE)?.first().copied()
+}
+
+/// The `flow` of `case` in a split form, if the run may go on in it.
+pub fn split_form<const D: usize>(case: &Case<D>, flow: &Flow<D>) -> Option<Flow<D>> {
+    flow.in_split_form(&case.mesh).filter(|_| case.solver.fallback == Fallback::SplitForm)
+}
+
+/// `stored`, the state before a slab that could not be solved, as one from which the flow goes on in a split form.
+pub fn in_split_form(mut stored: SolverState) -> SolverState {
+    let time = stored.arrays.get("time").cloned().unwrap_or_default();
+    stored.arrays.insert(SINCE.into(), time);
+    // The whole slab is tried again; the carried determinants and the preconditioner were those of another quadrature.
+    let goes = |name: &str| name.starts_with("frozen.") || ["failed", "determinants"].contains(&name);
+    stored.arrays.retain(|name, _| !goes(name));
+    stored.arrays.insert("pending".into(), Vec::new());
+    stored.integers.insert("stale".into(), 1);
+    stored
+}
+
+/// Gives `march` and `flow` the split form, if the `stored` state asks for it and they do not have it.
+///
+/// # Errors
+/// As [`build::march_of`].
+pub fn follow<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &mut Cow<'_, Flow<D>>,
+    march: &mut FlowMarch<D, M>,
+    stored: &SolverState,
+) -> Result<bool, ElasticityError>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let Some(split) = since(&stored.arrays).and_then(|_| flow.in_split_form(&case.mesh)) else { return Ok(false) };
+    build::discretise_anew(case, &split, march)?;
+    *flow = Cow::Owned(split);
+    Ok(true)
+}

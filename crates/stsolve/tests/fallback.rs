@@ -1,0 +1,142 @@
+//! A flow that the mesh does not resolve goes on in a split form when a slab cannot be solved.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use case::AnyCase;
+use common::{assert_same_bits, column, number, shipped, summary};
+use ranks::Threads;
+use simulation::{Destination, Existing, Failure, Observer, SlabDone};
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use tempfile::TempDir;
+
+/// A shear layer on 64 cells with the default quadrature: a slab fails at t = 1.5, and parts of it can be solved.
+const LAYER: [&str; 9] = [
+    "mesh.generate.box.cells=[8,8]",
+    "flow.order=3",
+    "flow.quadrature=conserving",
+    "flow.volume_flux=central",
+    "time.step=0.05",
+    "time.end=2",
+    "output.every=10",
+    "output.checkpoint_every=4",
+    "output.fields=[\"density\"]",
+];
+
+/// Keeps the messages of a run, and asks it to stop after the first slab that ends later than a time.
+struct Watch {
+    stop_after: f64,
+    is_due: AtomicBool,
+    messages: Mutex<String>,
+}
+
+impl Watch {
+    fn new(stop_after: f64) -> Self {
+        Watch { stop_after, is_due: AtomicBool::new(false), messages: Mutex::default() }
+    }
+}
+
+impl Observer for Watch {
+    fn slab(&self, slab: &SlabDone) {
+        self.is_due.fetch_or(slab.time > self.stop_after, Ordering::Relaxed);
+    }
+    fn say(&self, message: &str) {
+        *self.messages.lock().unwrap() += message;
+    }
+    fn is_stop_requested(&self) -> bool {
+        self.is_due.load(Ordering::Relaxed)
+    }
+}
+
+fn layer(more: &[&str]) -> AnyCase {
+    let changes: Vec<String> = LAYER.iter().chain(more).map(|&change| change.to_owned()).collect();
+    AnyCase::read(Path::new(&shipped("kelvin_helmholtz.toml")), &changes).unwrap()
+}
+
+fn run(directory: &Path, more: &[&str], existing: Existing, observer: &dyn Observer) -> Result<(), Failure> {
+    let destination = Destination { directory: directory.to_owned(), existing };
+    simulation::run(&layer(more), &destination, observer).map(drop)
+}
+
+#[test]
+fn a_run_goes_back_and_on_in_a_split_form_and_says_so() {
+    let (directory, watch) = (TempDir::new().unwrap(), Watch::new(f64::INFINITY));
+    let at = directory.path();
+    run(at, &[], Existing::Keep, &watch).unwrap();
+    let messages = watch.messages.into_inner().unwrap();
+    for part in ["warning: slab ", "does not resolve the flow", "goes on from t = 1.5 in a split form"] {
+        assert!(messages.contains(part), "{messages}");
+    }
+    let times = column(at, "t");
+    assert!(times.windows(2).all(|pair| (pair[1] - pair[0] - 0.05).abs() < 1e-9), "the parts of the slab are gone");
+    let (summary, rejected) = (summary(at), column(at, "rejected"));
+    assert_eq!((number(&summary, "split_form_since"), number(&summary, "slabs")), (1.5, 40.0));
+    assert_eq!((rejected.iter().sum::<f64>(), number(&summary, "rejected_slabs")), (1.0, 1.0));
+    for figure in ["mass_error", "energy_error"] {
+        let error = number(&summary, &format!("conservation.{figure}"));
+        assert!(error < 1e-12, "{figure}: {error:e}");
+    }
+}
+
+/// The balances hold on a curved mesh too, where the two quadratures measure other masses.
+#[test]
+fn the_balances_hold_on_a_curved_mesh() {
+    let directory = TempDir::new().unwrap();
+    let curved = ["mesh.generate.box.curving={wavy={amplitude=0.03}}", "mesh.order=3"];
+    run(directory.path(), &curved, Existing::Keep, &()).unwrap();
+    let summary = summary(directory.path());
+    assert!(summary.get("split_form_since").is_some());
+    assert!(number(&summary, "conservation.mass_error") < 1e-12, "{summary}");
+}
+
+#[test]
+fn a_case_may_forbid_it() {
+    let directory = TempDir::new().unwrap();
+    let failed = run(directory.path(), &["solver.fallback=none"], Existing::Keep, &());
+    assert!(matches!(failed, Err(Failure::Solve(_))), "{failed:?}");
+    assert!(summary(directory.path()).get("split_form_since").is_none());
+    let reached = *column(directory.path(), "t").last().unwrap();
+    assert!(reached > 1.5, "the parts of the slab that could be solved stay");
+}
+
+/// Before the slab that fails, among its parts, just after them, and later.
+#[test]
+fn a_run_that_is_interrupted_has_the_same_bits() {
+    let directory = TempDir::new().unwrap();
+    let at = |name: &str| directory.path().join(name);
+    run(&at("through"), &[], Existing::Keep, &()).unwrap();
+    for time in [1.4, 1.501, 1.52, 1.7] {
+        let name = time.to_string();
+        let stopped = run(&at(&name), &[], Existing::Keep, &Watch::new(time));
+        assert!(matches!(stopped, Err(Failure::Stopped)), "{time}: {stopped:?}");
+        run(&at(&name), &[], Existing::Resume, &()).unwrap();
+        assert_same_bits(&at("through"), &at(&name), &format!("interrupted after {time}"));
+    }
+}
+
+/// On 1, 2 and 3 ranks.
+#[test]
+fn ranks_go_on_in_a_split_form_together() {
+    let directory = TempDir::new().unwrap();
+    let at = |ranks: usize| directory.path().join(ranks.to_string());
+    for ranks in [1, 2, 3] {
+        let results = Threads::run(ranks, |communicator| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+            pool.install(|| {
+                let case = layer(&["parallel.blocks=3"]);
+                if communicator.rank() > 0 {
+                    simulation::serve(&case, &communicator);
+                    return Ok(());
+                }
+                let destination = Destination { directory: at(ranks), existing: Existing::Keep };
+                simulation::run_on(communicator, &case, &destination, &()).map(drop)
+            })
+        });
+        results.into_iter().next().unwrap().unwrap();
+        assert_same_bits(&at(1), &at(ranks), &format!("{ranks} ranks"));
+    }
+    assert_eq!(number(&summary(&at(3)), "split_form_since"), 1.5);
+}
