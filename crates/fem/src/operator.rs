@@ -142,6 +142,12 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         self.tables.top.position_row(self.dt)
     }
 
+    /// Puts the mesh on a `displacement`, `[C0 node][component]`, where no slab has begun.
+    pub fn set_displacement(&mut self, displacement: &[f64]) {
+        self.mesh.set_bottom(Some(displacement));
+        self.set_bottom_determinants(&[]);
+    }
+
     /// Moves to the slab [`start`, `start + dt`] on top of `bottom`.
     pub fn begin_slab(&mut self, start: f64, dt: f64, bottom: Bottom) {
         let Bottom { state, displacement, determinants } = bottom;

@@ -72,7 +72,7 @@ pub struct Stall {
 }
 
 /// The driver gives up after `steps` short steps in a row, each at most a quarter of its increment, if together they leave more than `left`
-/// of the residual.
+/// of the residual. Attempts at these steps that were rejected count, too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShortSteps {
     /// The number of steps.

@@ -200,7 +200,7 @@ where
     let orders = Orders { flow: flow.order, mesh: case.mesh.order(), time: case.time.order };
     let mut operator =
         SlabOperator::of_share(problem(flow), &case.mesh, &mover.numbering, orders, flow.quadrature, share);
-    operator.mesh.set_bottom(Some(&mover.displacement_at_start(case.time.start)));
+    operator.set_displacement(&mover.displacement_at_start(case.time.start));
     operator
 }
 
@@ -218,7 +218,7 @@ where
     let orders = Orders { flow: flow.order, mesh: case.mesh.order(), time: case.time.order };
     let numbering = mover.numbering.clone();
     let mut operator = SlabOperator::for_measuring(problem(flow), &case.mesh, numbering, orders, flow.quadrature);
-    operator.mesh.set_bottom(Some(&mover.displacement_at_start(case.time.start)));
+    operator.set_displacement(&mover.displacement_at_start(case.time.start));
     operator
 }
 
@@ -340,7 +340,7 @@ where
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
     let orders = Orders { flow: order, mesh: case.mesh.order(), time: time_order };
     let mut operator = SlabOperator::new(problem(flow), &case.mesh, numbering.clone(), orders, flow.quadrature);
-    operator.mesh.set_bottom(Some(d));
+    operator.set_displacement(d);
     let initial = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
     let mover = MeshMover::new(MeshMotion::Still, case.mesh.clone(), numbering, time_order);
     let mut problem = System::new(operator, mover);

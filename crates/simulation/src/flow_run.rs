@@ -244,7 +244,7 @@ where
         let (d, time) = (self.state().d.clone(), self.state().time);
         let operator =
             self.crew.as_mut().map_or(&mut self.march.solver.system.flow.operator, |crew| &mut crew.operator);
-        operator.mesh.set_bottom(Some(&d));
+        operator.set_displacement(&d);
         context.statistics.split_form_since = Some(time);
         context.statistics.rebase(coupled::totals(self.operator(), &self.state().u));
         Some(())

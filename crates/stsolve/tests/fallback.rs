@@ -81,11 +81,12 @@ fn a_run_goes_back_and_on_in_a_split_form_and_says_so() {
     }
 }
 
-/// The balances hold on a curved mesh too, where the two quadratures measure other masses.
+/// The balances hold on a curved mesh that moves too, where the two quadratures measure other masses.
 #[test]
-fn the_balances_hold_on_a_curved_mesh() {
+fn the_balances_hold_on_a_curved_mesh_that_moves() {
     let directory = TempDir::new().unwrap();
-    let curved = ["mesh.generate.box.curving={wavy={amplitude=0.03}}", "mesh.order=3"];
+    let motion = "motion.displacement=[\"0.05*sin(pi*y)*sin(t)\",\"0.05*sin(pi*x)*sin(2*t)\"]";
+    let curved = ["mesh.generate.box.curving={wavy={amplitude=0.03}}", "mesh.order=3", motion];
     run(directory.path(), &curved, Existing::Keep, &()).unwrap();
     let summary = summary(directory.path());
     assert!(summary.get("split_form_since").is_some());

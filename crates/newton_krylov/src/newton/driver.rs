@@ -125,11 +125,18 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         self.settings.stall.is_some_and(|stall| self.report.steps.len() - self.best.progress >= stall.steps)
     }
 
-    /// Whether the last steps were all short and have left most of the residual.
-    fn leads_nowhere(&self, ShortSteps { steps, left }: ShortSteps) -> bool {
+    /// The number of the last steps that were all short and have left most of the residual; `None` if there is no such number. An attempt
+    /// that was rejected counts as a short step.
+    fn leads_nowhere(&self, ShortSteps { steps, left }: ShortSteps) -> Option<usize> {
+        let short = self.report.steps.iter().rev().take_while(|step| step.step_length <= SHORT_STEPS.1);
+        let attempts = short.scan(0, |attempts, step| {
+            *attempts += 1 + step.rejections;
+            Some(*attempts)
+        });
+        let count = 1 + attempts.take(steps).position(|attempts| attempts >= steps)?;
         let history = self.report.residual_history();
-        let Some(before) = history.len().checked_sub(steps + 1).map(|first| history[first]) else { return false };
-        self.report.longest_of_last(steps) <= SHORT_STEPS.1 && self.report.final_norm() > left * before
+        let before = history[history.len() - 1 - count];
+        (self.report.final_norm() > left * before).then_some(count)
     }
 
     /// The reason to take no further step, if there is one.
@@ -138,7 +145,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         if self.report.steps.len() >= self.settings.max_steps {
             return Some(Error::MaxSteps { tolerance: self.tolerances.total, report: report() });
         }
-        if let Some(ShortSteps { steps, .. }) = self.settings.short_steps.filter(|rule| self.leads_nowhere(*rule)) {
+        if let Some(steps) = self.settings.short_steps.and_then(|rule| self.leads_nowhere(rule)) {
             return Some(Error::ShortSteps { steps, report: report() });
         }
         let (least, since) = (self.best.progress_norm, self.best.progress);

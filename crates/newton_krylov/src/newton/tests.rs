@@ -174,6 +174,20 @@ fn a_failed_line_search_switches_pseudo_time_on_and_convergence_switches_it_off(
 }
 
 /// A line search without limit takes shorter and shorter steps towards the minimum; damping starts earlier.
+/// At the bottom of the valley attempts are rejected until the damping is strong enough, and no step may be longer than a fifth.
+#[test]
+fn rejected_attempts_count_as_short_steps() {
+    let (mut problem, mut z) = (valley_problem(), [0.82, 1.0]);
+    problem.largest_step = 0.2;
+    let rule = ShortSteps { steps: 3, left: 0.0 };
+    let mut settings = Settings { short_steps: Some(rule), max_steps: 100, ..exact() };
+    settings.line_search.max_trials = 2;
+    let error = run(&mut problem, &mut z, &settings).unwrap_err();
+    let (steps, Error::ShortSteps { steps: count, .. }) = (&error.report().steps, &error) else { panic!("{error}") };
+    let attempts: usize = steps.iter().map(|step| 1 + step.rejections).sum();
+    assert!(*count == steps.len() && steps.len() < 3 && attempts >= 3, "{steps:?}");
+}
+
 #[test]
 fn short_steps_in_a_row_switch_pseudo_time_on() {
     let mut settings = Settings { max_steps: 100, ..exact() };

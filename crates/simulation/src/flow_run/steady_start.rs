@@ -100,7 +100,7 @@ where
         let coupled::State { u, d, bodies, .. } = march.state;
         let operator =
             self.crew.as_mut().map_or(&mut self.march.solver.system.flow.operator, |crew| &mut crew.operator);
-        operator.mesh.set_bottom(Some(&d));
+        operator.set_displacement(&d);
         // A crew takes its parts with the first slab. Before it, bodies are told from this march.
         self.march.state.bodies.clone_from(&bodies);
         let state = self.crew.as_mut().map_or(&mut self.march.state, |crew| &mut crew.state);
