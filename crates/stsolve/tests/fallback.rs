@@ -141,3 +141,17 @@ fn ranks_go_on_in_a_split_form_together() {
     }
     assert_eq!(number(&summary(&at(3)), "split_form_since"), 1.5);
 }
+
+/// A cylinder on springs in a flow of Mach number 0.6 that its mesh does not resolve: gas and body keep their energy together.
+#[test]
+fn a_body_that_the_flow_moves_goes_on_too() {
+    let directory = TempDir::new().unwrap();
+    let set = ["flow.gas.mach=0.6", "flow.gas.viscosity.constant=1e-5", "time.end=2.4", "output.fields=[]"]
+        .map(str::to_owned);
+    let case = AnyCase::read(Path::new(&shipped("cylinder_viv.toml")), &set).unwrap();
+    let destination = Destination { directory: directory.path().to_owned(), existing: Existing::Keep };
+    simulation::run(&case, &destination, &()).unwrap();
+    let summary = summary(directory.path());
+    assert!(summary.get("split_form_since").is_some(), "{summary}");
+    assert!(number(&summary, "conservation.coupled_energy_error") < 1e-11, "{summary}");
+}
