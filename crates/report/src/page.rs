@@ -45,7 +45,7 @@ pub fn page(run: &RunFiles, pictures: &Result<Pictures, String>) -> String {
 /// The progress of the run.
 fn status(run: &RunFiles) -> String {
     let (class, word, text) = match &run.status {
-        Status::Done => ("good", "completed", String::new()),
+        Status::Done => ("good", "completed", run.split_form_since().map_or_else(String::new, split_form)),
         Status::Running => ("busy", "running", "make the report again to see more".to_owned()),
         // The section on the failure says the same.
         Status::Stopped(_) if run.failure.is_some() => ("bad", "failed", String::new()),
@@ -64,6 +64,11 @@ fn status(run: &RunFiles) -> String {
         "<p class=\"status\"><span class=\"badge {class}\">{word}</span> {reached}, {slabs} <span class=\"reason\">{text}\
          </span></p>"
     )
+}
+
+/// What a run says of a flow that its mesh does not resolve.
+fn split_form(since: f64) -> String {
+    format!("the mesh does not resolve the flow: in a split form from t = {}", short(since))
 }
 
 /// A chart of every group of columns.

@@ -76,6 +76,11 @@ impl RunFiles {
         Ok(RunFiles { directory: name(directory), status, history, summary, result, failure })
     }
 
+    /// The time from which the flow is solved in a split form, because a slab could not be solved without.
+    pub fn split_form_since(&self) -> Option<f64> {
+        self.summary.as_ref()?["split_form_since"].as_f64()
+    }
+
     /// The slabs done. The history has a row for each, and one without length for a steady start.
     pub fn slabs(&self) -> usize {
         let lengths = self.history.column("dt").unwrap_or_default();

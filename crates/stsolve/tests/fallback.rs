@@ -70,6 +70,8 @@ fn a_run_goes_back_and_on_in_a_split_form_and_says_so() {
     for part in ["warning: slab ", "does not resolve the flow", "goes on from t = 1.5 in a split form"] {
         assert!(messages.contains(part), "{messages}");
     }
+    let page = std::fs::read_to_string(report::write(at).unwrap().path).unwrap();
+    assert!(page.contains("does not resolve the flow: in a split form from t = 1.5"));
     let times = column(at, "t");
     assert!(times.windows(2).all(|pair| (pair[1] - pair[0] - 0.05).abs() < 1e-9), "the parts of the slab are gone");
     let (summary, rejected) = (summary(at), column(at, "rejected"));
