@@ -126,11 +126,8 @@ pub(super) trait Run {
     fn falls_back_after(&self, _error: &anyhow::Error) -> bool {
         false
     }
-    /// Goes back to `stored`, the checkpoint before the slab that could not be solved, and on from there in the more robust way. `None` if
-    /// something is missing in the checkpoint.
-    fn fall_back(&mut self, _stored: SolverState, _context: &mut RunContext) -> Option<()> {
-        None
-    }
+    /// Begins the balances anew, after the run was restored in the more robust way.
+    fn begin_balances(&mut self, _statistics: &mut RunStatistics) {}
     /// Velocities and flow at the start, at every time node, laid out like those of a slab.
     fn slab_at_start(&self) -> [Vec<f64>; 2];
     /// Prepares and records the start of the run; returns its row of history.csv, if it has one.

@@ -11,7 +11,7 @@ use case::{Case, Fallback, Flow, State};
 use coupled::FlowMarch;
 use elasticity::ElasticityError;
 use fem::StateField;
-use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use navier_stokes::{Compiled, Exact, Manufactured, NavierStokes};
 use output::SolverState;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -53,7 +53,6 @@ pub fn follow<const D: usize, const M: usize>(
 ) -> Result<bool, ElasticityError>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {

@@ -239,15 +239,12 @@ where
         let is_of_flow = cause.is_some_and(|cause| cause.is_of_flow() || matches!(cause, SlabError::Guess(_)));
         is_of_flow && self.state().slab > 0 && self.can_fall_back()
     }
-    fn fall_back(&mut self, stored: SolverState, context: &mut RunContext) -> Option<()> {
-        self.restore(&fallback::in_split_form(stored))?;
-        let (d, time) = (self.state().d.clone(), self.state().time);
+    fn begin_balances(&mut self, statistics: &mut RunStatistics) {
+        let d = self.state().d.clone();
         let operator =
             self.crew.as_mut().map_or(&mut self.march.solver.system.flow.operator, |crew| &mut crew.operator);
         operator.set_displacement(&d);
-        context.statistics.split_form_since = Some(time);
-        context.statistics.rebase(coupled::totals(self.operator(), &self.state().u));
-        Some(())
+        statistics.rebase(coupled::totals(self.operator(), &self.state().u));
     }
 
     fn slab_at_start(&self) -> [Vec<f64>; 2] {

@@ -16,7 +16,8 @@ use elasticity::{Solid, Stress};
 use fem::{Layout, Sampler};
 use mesh::{Mesh, NodeNumbering};
 use output::{
-    ArraySpec, Checksum, FieldSpec, FileLayout, Grid, History, Metadata, RestMesh, ResultFile, SolverState, Step,
+    ArraySpec, Checksum, FieldSpec, FileLayout, Grid, History, Metadata, OutputError, RestMesh, ResultFile,
+    SolverState, Step,
 };
 use report::REPORT_FILE;
 use report::fields::{self, CellSample, Medium};
@@ -132,6 +133,16 @@ impl<const D: usize> MeshView<D> {
     }
 }
 
+/// `history.csv` with the rows of the checkpoint `before`, if there is one.
+fn history_after(
+    before: Option<&SolverState>,
+    session: &Session<'_>,
+    columns: &[String],
+) -> Result<History, OutputError> {
+    let rows = before.and_then(|before| before.arrays.get("history")).map_or(&[][..], Vec::as_slice);
+    History::create(&session.directory, columns, rows)
+}
+
 impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     /// Starts the files of a new run, or continues those of its own checkpoint. A run that continues another one begins with the
     /// history of its `origin`.
@@ -159,10 +170,8 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         };
         // From here on nothing can refuse the run any more.
         session.directory.clear(resume, &[REPORT_FILE])?;
-        let before = stored.as_ref().or(origin);
-        let rows = before.and_then(|before| before.arrays.get("history")).map_or(&[][..], Vec::as_slice);
         let told = Told::new::<D, M>(case, mesh);
-        let history = History::create(&session.directory, &told.columns, rows)?;
+        let history = history_after(stored.as_ref().or(origin), session, &told.columns)?;
         let (sampler, n) = fields::equidistant::<D>(flow_order(case), case.mesh.order());
         let mesh_sampler = Sampler::new(case.mesh.order(), case.mesh.order(), &basis::equidistant_points(n));
         let beside =
@@ -192,8 +201,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     pub fn go_back(&mut self, session: &Session<'_>) -> Result<SolverState, Failure> {
         let (result, stored) = ResultFile::resume(&session.directory, &metadata(self.case, &self.mesh), |_, _| Ok(()))?;
         self.result = result;
-        let rows = stored.arrays.get("history").map_or(&[][..], Vec::as_slice);
-        self.history = History::create(&session.directory, &self.told.columns, rows)?;
+        self.history = history_after(Some(&stored), session, &self.told.columns)?;
         self.slabs_since_checkpoint = 0;
         Ok(stored)
     }

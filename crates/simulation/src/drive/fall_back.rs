@@ -1,10 +1,10 @@
 //! How a run goes on in a more robust way, see [`crate::fallback`].
 
 use super::{Run, restore};
-use crate::checkpoint;
 use crate::context::{RunContext, Stop};
 use crate::cuts::{self, Reached};
 use crate::error::Failure;
+use crate::fallback;
 use crate::record::Recorder;
 use crate::session::Session;
 use case::{Case, rounded_time};
@@ -27,9 +27,9 @@ pub(super) fn fall_back<const D: usize, const M: usize>(
     if !is_held(run) {
         recorder.checkpoint(run.store(), &context.statistics)?;
     }
-    let stored = recorder.go_back(session)?;
+    let stored = fallback::in_split_form(recorder.go_back(session)?);
     context.statistics = restore(run, Some(&stored), case)?;
-    run.fall_back(stored, context).ok_or_else(checkpoint::incomplete)?;
+    run.begin_balances(&mut context.statistics);
     let coupled::State { time, slab: slabs, .. } = *run.state();
     cuts::begin(case, session.directory.path(), Some(Reached { time, slabs, is_end: false }))?;
     let (time, cause) = (rounded_time(time), coupled::chain(error.as_ref()));

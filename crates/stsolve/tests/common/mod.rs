@@ -69,6 +69,14 @@ pub fn number(json: &serde_json::Value, path: &str) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("no number at {path} in {json}"))
 }
 
+/// Fails unless a run has kept mass and energy to round-off.
+pub fn assert_conserves(summary: &serde_json::Value) {
+    for figure in ["mass_error", "energy_error"] {
+        let value = number(summary, &format!("conservation.{figure}"));
+        assert!(value < 1e-12, "{figure}: {value:e}");
+    }
+}
+
 /// A column of history.csv.
 pub fn column(run: &Path, name: &str) -> Vec<f64> {
     let text = std::fs::read_to_string(run.join("history.csv")).unwrap();
