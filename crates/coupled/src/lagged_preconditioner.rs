@@ -4,13 +4,17 @@
 //! another slab length or pseudo-time needs new factors of its modes only.
 
 use crate::preconditioner::{
-    BlockIlu, FlowPreconditioner, LinePreconditioner, Ordering, TimeScales, TwoLevel, low_order,
+    BlockIlu, CoarseLevelUse, FlowPreconditioner, LinePreconditioner, Ordering, TimeScales, TwoLevel, low_order,
 };
 use crate::reuse_policy::{FREEZING, RebuiltInSlab};
 use fem::{Bottom, SlabOperator};
 
 /// A slab length, or a damping, that differs by this part needs new factors.
 const CHANGED: f64 = 0.1;
+
+/// Iterations of a slab with its own Jacobian from which a coarse level saves more of them than it costs, on meshes of more cells than
+/// there are aggregates.
+const LONG: usize = 15;
 
 /// Where the flow's Jacobian was frozen: what the preconditioner is made of, so that a resumed run has the same one.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +31,8 @@ pub struct Linearisation {
     pub built_for: TimeScales,
     /// The order of elimination.
     pub ordering: Ordering,
+    /// Whether there is a coarse level.
+    pub coarse_level: bool,
 }
 
 /// What an update has done.
@@ -60,6 +66,8 @@ pub struct LaggedPreconditioner<const D: usize, const M: usize> {
     /// Whether the flow is steady: its Jacobian is frozen at every update that damps, and else where it has served for as many iterations
     /// as it has cost. It has a coarse level then.
     pub steady: bool,
+    /// Whether what is made next has a coarse level, where blocks precondition slabs.
+    coarse_level: bool,
     /// When more iterations than these are done in a slab, the Jacobian is frozen at the next update.
     pub patience: usize,
     /// Times the preconditioner was applied since the Jacobian was frozen, or since the bottom of the slab.
@@ -76,6 +84,7 @@ impl<const D: usize, const M: usize> Default for LaggedPreconditioner<D, M> {
             stale: false,
             method: Method::BlockIlu,
             steady: false,
+            coarse_level: false,
             patience: usize::MAX,
             applications: 0,
             in_slab: RebuiltInSlab::No,
@@ -100,6 +109,18 @@ impl<const D: usize, const M: usize> LaggedPreconditioner<D, M> {
     /// Whether the Jacobian was frozen in this slab.
     pub fn frozen_in_slab(&self) -> RebuiltInSlab {
         self.in_slab
+    }
+
+    /// Takes a coarse level if a slab of the flow of `operator` takes `iterations` with a Jacobian of its own. Whether it does so is seen in
+    /// the next slab.
+    pub fn reconsider_coarse_level(&mut self, operator: &SlabOperator<D, M>, iterations: usize) {
+        let most = CoarseLevelUse::Always.most_aggregates(M, D as u32, operator.tables.orders.flow);
+        let large = operator.layout.cells > most && operator.share.blocks.of_cell.iter().all(|block| *block == 0);
+        if !self.coarse_level && self.method == Method::BlockIlu && large && iterations > LONG {
+            self.coarse_level = true;
+            self.preconditioner = None;
+            self.stale = true;
+        }
     }
 
     /// z = P^{-1} r; r itself as long as there is no preconditioner.
@@ -163,6 +184,7 @@ impl<const D: usize, const M: usize> LaggedPreconditioner<D, M> {
             state: flow.linearisation(),
             built_for: scales,
             ordering: preconditioner.ordering(),
+            coarse_level: self.coarse_level,
         });
         self.preconditioner = Some(preconditioner);
         let first = self.applications == 0 && self.in_slab == RebuiltInSlab::No;
@@ -181,6 +203,7 @@ impl<const D: usize, const M: usize> LaggedPreconditioner<D, M> {
         flow.linearise(&frozen.state);
         // One that is there may have another order of elimination.
         self.preconditioner = None;
+        self.coarse_level = frozen.coarse_level;
         self.preconditioner = Some(self.made(flow, frozen.built_for, Some(frozen.ordering.clone())));
         self.frozen = Some(frozen);
     }
@@ -194,8 +217,11 @@ impl<const D: usize, const M: usize> LaggedPreconditioner<D, M> {
     ) -> Box<dyn FlowPreconditioner<D, M>> {
         match self.method {
             Method::LowOrder => low_order(flow, scales, known),
-            _ if self.steady => Box::new(TwoLevel::new(flow, scales, known)),
+            _ if self.steady => Box::new(TwoLevel::<f64>::new(flow, scales, known, CoarseLevelUse::Undamped)),
             Method::LineAdi => Box::new(LinePreconditioner::new(flow, scales)),
+            Method::BlockIlu if self.coarse_level => {
+                Box::new(TwoLevel::<f32>::new(flow, scales, known, CoarseLevelUse::Always))
+            }
             Method::BlockIlu => Box::new(BlockIlu::<f32>::new(flow, scales, known)),
         }
     }

@@ -205,6 +205,15 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         couplings.extend(facets.into_iter().filter_map(|f| f.coupling));
     }
 
+    /// For every coupling of [`Self::space_jacobian`] how the lattices of its two faces meet: for every flow node in that of the minus side, the
+    /// node in that of the plus side.
+    pub fn lattices_of_couplings(&self) -> Vec<Vec<usize>> {
+        let interior = self.facets.batches.iter().filter(|batch| batch.boundary.is_none());
+        let lattices =
+            interior.flat_map(|batch| (0..batch.count).map(move |lane| self.own_lattice(batch, lane, 1).to_vec()));
+        lattices.collect()
+    }
+
     /// For each batch of facets, the number of facets before it.
     pub(crate) fn first_of_batches(&self) -> Vec<usize> {
         let counts = self.facets.batches.iter().map(|batch| batch.count);

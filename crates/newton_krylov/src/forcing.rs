@@ -13,13 +13,15 @@ pub struct Settings {
     pub gamma: f64,
     /// The smallest eta. 1e-6 gives quadratic convergence; 1e-3 costs less.
     pub minimum: f64,
+    /// The smallest eta of a step that pseudo-time damps. Such a step follows the flow in time and does not reach a solution.
+    pub damped_minimum: f64,
     /// The largest eta, below 1.
     pub maximum: f64,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { initial: 0.1, gamma: 0.9, minimum: 1e-3, maximum: 0.1 }
+        Self { initial: 0.1, gamma: 0.9, minimum: 1e-3, damped_minimum: 0.02, maximum: 0.1 }
     }
 }
 
@@ -33,17 +35,19 @@ pub struct Previous {
 }
 
 impl Settings {
-    /// eta of the step that starts at |R| = `norm`; `tolerance` is the |R| at which Newton stops, 0 < tolerance < norm.
+    /// eta of the step that starts at |R| = `norm`, and that pseudo-time damps if it is `damped`; `tolerance` is the |R| at which Newton stops,
+    /// 0 < tolerance < norm.
     ///
     /// A single good step must not tighten eta at once: eta >= gamma_e eta_old^2 while that exceeds 0.1. And no step is solved
     /// more accurately than Newton's tolerance requires: eta >= tolerance / (2 |R|).
-    pub fn next(&self, norm: f64, previous: Option<Previous>, tolerance: f64) -> f64 {
+    pub fn next(&self, norm: f64, previous: Option<Previous>, tolerance: f64, damped: bool) -> f64 {
         let eta = previous.map_or(self.initial, |old| {
             let eta = self.gamma * (norm / old.norm).powi(2);
             let memory = self.gamma * old.forcing.powi(2);
             if memory > 0.1 { eta.max(memory) } else { eta }
         });
-        eta.min(self.maximum).max(self.minimum).max(0.5 * tolerance / norm)
+        let minimum = if damped { self.damped_minimum } else { self.minimum };
+        eta.min(self.maximum).max(minimum).max(0.5 * tolerance / norm)
     }
 }
 
@@ -51,16 +55,16 @@ impl Settings {
 mod tests {
     use super::*;
 
-    const LOOSE: Settings = Settings { initial: 0.5, gamma: 0.9, minimum: 1e-6, maximum: 0.9 };
+    const LOOSE: Settings = Settings { initial: 0.5, gamma: 0.9, minimum: 1e-6, damped_minimum: 1e-6, maximum: 0.9 };
 
     fn next(settings: &Settings, norm: f64, old_norm: f64, old_forcing: f64, tolerance: f64) -> f64 {
-        settings.next(norm, Some(Previous { norm: old_norm, forcing: old_forcing }), tolerance)
+        settings.next(norm, Some(Previous { norm: old_norm, forcing: old_forcing }), tolerance, false)
     }
 
     #[test]
     fn the_first_step_takes_the_initial_value() {
-        assert_eq!(Settings::default().next(1.0, None, 1e-8), 0.1);
-        assert_eq!(LOOSE.next(1.0, None, 1e-8), 0.5);
+        assert_eq!(Settings::default().next(1.0, None, 1e-8, false), 0.1);
+        assert_eq!(LOOSE.next(1.0, None, 1e-8, false), 0.5);
     }
 
     #[test]
@@ -80,6 +84,13 @@ mod tests {
         assert_eq!(next(&Settings::default(), 0.9, 1.0, 0.1, 0.0), 0.1);
         assert_eq!(next(&Settings::default(), 1e-4, 1.0, 0.1, 0.0), 1e-3);
         assert_eq!(next(&LOOSE, 1e-4, 1.0, 0.1, 0.0), 1e-6);
+    }
+
+    #[test]
+    fn damped_steps_are_solved_loosely() {
+        let previous = Some(Previous { norm: 1.0, forcing: 0.1 });
+        assert_eq!(Settings::default().next(0.1, previous, 1e-8, true), 0.02);
+        approx::assert_relative_eq!(Settings::default().next(0.1, previous, 1e-8, false), 0.009, max_relative = 1e-14);
     }
 
     #[test]

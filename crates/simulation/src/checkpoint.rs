@@ -44,6 +44,7 @@ pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> Solv
     if let Some(frozen) = frozen {
         let Linearisation { interval, built_for, ordering, .. } = frozen;
         put("frozen.numbers", vec![interval.0, interval.1, built_for.dt, built_for.damping]);
+        put("frozen.coarse_level", vec![f64::from(u8::from(frozen.coarse_level))]);
         put("frozen.displacement", frozen.bottom.clone());
         put("frozen.mesh_velocity", frozen.velocities.clone());
         put("frozen.flow", frozen.state.clone());
@@ -148,6 +149,7 @@ fn frozen(arrays: &Arrays) -> Option<Linearisation> {
         state: get("flow")?,
         built_for: TimeScales { dt: built_dt, damping },
         ordering: ordering(&indices("cells")?, indices("level_ends")?, &indices("stage_ends")?)?,
+        coarse_level: get("coarse_level")?.first() == Some(&1.0),
     })
 }
 
@@ -193,6 +195,7 @@ mod tests {
             state: vec![8.0; 8],
             built_for: TimeScales { dt: 0.1, damping: 0.0 },
             ordering: ordering(&[1, 0, 2], vec![2, 3], &[1, 3]).unwrap(),
+            coarse_level: false,
         };
         store(&state, Some(&frozen), true)
     }

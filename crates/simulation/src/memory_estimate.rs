@@ -6,7 +6,7 @@ use crate::averages::Moments;
 use crate::error::Failure;
 use case::memory;
 use case::{Case, Flow, Preconditioner, Steady, SteadyBodies};
-use coupled::preconditioner::{LOW_ORDER_VECTORS, coarse_functions_per_direction, padded};
+use coupled::preconditioner::{CoarseLevelUse, LOW_ORDER_VECTORS, coarse_functions_per_direction, padded};
 use fem::Orders;
 use navier_stokes::Viscosity;
 
@@ -81,7 +81,7 @@ impl MemoryEstimate {
         let vectors = newton + vector * krylov_vectors(restart.min(typical_iterations(case)));
         let time_order = case.time.order;
         let (jacobian, factors_of_slab) = match case.preconditioner() {
-            Preconditioner::Blocks => (jacobian(case), factors(case, time_order)),
+            Preconditioner::Blocks => (jacobian(case), factors(case, time_order) + coarse_level_of_slabs(case)),
             Preconditioner::Lines => lines(case, time_order),
             Preconditioner::LowOrder => node_blocks(case, time_order),
         };
@@ -227,7 +227,7 @@ fn steady_preconditioner<const D: usize>(case: &Case<D>) -> usize {
         return blocks + factors;
     }
     let (kept, assembly) = jacobian_entries(case);
-    8 * (kept + assembly) + factors(case, 1) + coarse_level(case)
+    8 * (kept + assembly) + factors(case, 1) + coarse_level(case, CoarseLevelUse::Undamped)
 }
 
 /// Blocks between nodes in half precision, those of a node itself in single precision, the node's mass and neighbours; the factors, and the
@@ -240,11 +240,29 @@ fn node_blocks<const D: usize>(case: &Case<D>, time_order: usize) -> (usize, usi
     (jacobian, nodes * time_order * (2 * block + 4 * LOW_ORDER_VECTORS * (D + 2)))
 }
 
-/// The direct solver of the coarse level.
-fn coarse_level<const D: usize>(case: &Case<D>) -> usize {
+/// The coarse level of slabs, in single precision. Large meshes have one if slabs take many iterations.
+fn coarse_level_of_slabs<const D: usize>(case: &Case<D>) -> usize {
+    let Some(flow) = &case.flow else { return 0 };
+    let most = CoarseLevelUse::Always.most_aggregates(D + 2, D as u32, flow.order);
+    let has_one = case.mesh.n_cells() > most && case.blocks == 1;
+    if has_one { coarse_level(case, CoarseLevelUse::Always) } else { 0 }
+}
+
+/// The direct solver of the coarse level, and the products of the Jacobian with coarse functions. For a steady flow there is one time
+/// node, in double precision.
+fn coarse_level<const D: usize>(case: &Case<D>, when: CoarseLevelUse) -> usize {
     let (mesh, Some(flow)) = (&case.mesh, &case.flow) else { return 0 };
-    let (cells, components) = (mesh.n_cells(), D + 2);
-    let functions = coarse_functions_per_direction(cells, components, D as u32, flow.order).pow(D as u32);
-    let block = (components * functions) as f64;
-    (8.0 * COARSE_FILL * block.powi(2) * cells as f64 * (cells as f64).log2()) as usize
+    let most = when.most_aggregates(D + 2, D as u32, flow.order);
+    let BlockSizes { cell, nodes, traces } = BlockSizes::new(flow);
+    let functions = coarse_functions_per_direction(flow.order).pow(D as u32);
+    let (block, cells, interior) = ((D + 2) * functions, mesh.n_cells(), mesh.interior_facets().len());
+    let products = block * (cells * cell + 2 * interior * traces) + 2 * functions * cells * nodes;
+    // Pairs of cells, pairs of these, and so on.
+    let halvings = (0..).find(|k| cells >> k <= most).unwrap_or_default();
+    let aggregates = (cells >> halvings).max(2) as f64;
+    let factors = COARSE_FILL * (block as f64).powi(2) * aggregates * aggregates.log2();
+    match when {
+        CoarseLevelUse::Undamped => 8 * (products + factors as usize),
+        CoarseLevelUse::Always => 4 * (products + case.time.order * factors as usize),
+    }
 }

@@ -1,6 +1,7 @@
 //! The first guess of a slab.
 
 use super::{CoupledSlab, Predictor};
+use crate::blocks::FlowBlock;
 use crate::slab_error::SlabError;
 use crate::state::{Interval, State};
 use newton_krylov::problem::NonlinearProblem;
@@ -13,7 +14,9 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
     pub fn guess(&mut self, state: &State, interval: Interval) -> Result<(Vec<f64>, Vec<f64>), SlabError> {
         let system = &mut self.system;
         system.begin(interval, state)?;
-        system.flow.preconditioner.patience = state.reuse_policy.patience();
+        let FlowBlock { preconditioner, operator, .. } = &mut system.flow;
+        preconditioner.patience = state.reuse_policy.patience();
+        preconditioner.reconsider_coarse_level(operator, state.reuse_policy.base);
         let mut z = vec![0.0; system.len()];
         system.guess_bodies(state, &mut z);
         let mut v = self.guess_velocities(state, interval);

@@ -1,128 +1,198 @@
-//! The coarse level of steady flows: what ILU(0) takes many sweeps to carry across the mesh, a direct solver carries at once.
+//! The coarse level: what ILU(0) takes many sweeps to carry across the mesh, a direct solver carries at once.
 //!
 //! ```text
-//! x_1 = P (P^T B P)^{-1} P^T r,     z = x_1 + S^{-1} (r - B x_1),     B = lambda M + dt A                              (two-level)
+//! x_1 = P (P^T B P)^{-1} P^T c,     x = x_1 + S^{-1} (c - B x_1),     B = lambda M + dt A for every mode           (two-level)
 //! ```
 //!
-//! with the polynomials of degree 1 in every cell as coarse space, P their values at the nodes, and the sweeps S of the factored mode.
-//! B P is kept, so that a product with B costs no more than the few columns of P. On the airfoil of the heaving cases the last four steps,
-//! which pseudo-time does not damp, then take 29 iterations instead of 117.
+//! with the sweeps S of the factored modes. The coarse space consists of the polynomials of degree 1 in every direction on
+//! [`Aggregates`] of cells, and P has their values at the nodes. There are so few aggregates that their direct solver costs less than the
+//! sweeps; on small meshes every cell is one. B P is kept, so that a product with B costs no more than the few columns of P.
+//!
+//! On the airfoil of the heaving cases the last four steps of the steady flow, which pseudo-time does not damp, then take 29 iterations
+//! instead of 117.
 
-use super::blocks::{Link, coupling_block, diagonal_block};
+use super::TimeScales;
+use super::aggregates::{Aggregates, Neighbourhood};
+use super::blocks::{Link, coupling_block};
+use super::coarse_modes::{CoarseMode, Entry, products_with, solve_modes};
 use super::ilu::BlockIlu;
-use basis::{Lagrange, Matrix};
-use faer::{Mat, MatRef};
-use fem::{Layout, TraceSpace};
-use newton_krylov::operator::Preconditioner;
+use super::panel::padded;
+use basis::is_real;
+use faer::{Mat, c64};
+use fem::{Coupling, Layout, SlabOperator, TraceSpace};
 use rayon::prelude::*;
-use sparse::{BlockMatrix, EliminationTree, Factorisation, Kind};
+use sparse::{BlockMatrix, EliminationTree, Kind, Scalar};
 use std::sync::Arc;
 
-/// Coarse unknowns of a three-dimensional mesh for which a direct solver of degree 1 pays: its work grows with their square, and
-/// with 27,000 it takes as long as a hundred iterations.
-const AFFORDABLE: usize = 12_000;
-
-/// Coarse functions of one component per direction, on a mesh of so many cells with a flow of this `order`. There are 2 of degree 1, or
-/// one constant if the order has no more or linear functions cost too much.
-pub fn functions_per_direction(cells: usize, components: usize, dimension: u32, order: usize) -> usize {
-    let linear = cells * components * 2_usize.pow(dimension);
-    if order > 2 && (dimension < 3 || linear <= AFFORDABLE) { 2 } else { 1 }
+/// When there is a coarse level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CoarseLevelUse {
+    /// As soon as pseudo-time does not damp the flow: in the search for a steady flow. With exact solves Newton's method can converge to
+    /// spurious solutions; loose ones keep to the path of the flow in time.
+    Undamped,
+    /// Always: in slabs.
+    Always,
 }
 
-/// P of one component of a cell, `[node][coarse function]`: products of (1 - x) / 2 and (1 + x) / 2 at `order` nodes per direction.
-fn prolongation(dimension: u32, order: usize, per_direction: usize) -> Matrix {
-    let nodes = Lagrange::gauss_lobatto(order).nodes().to_vec();
-    let value = |node: usize, function: usize| match per_direction {
-        1 => 1.0,
-        _ if function == 0 => 0.5 * (1.0 - nodes[node]),
-        _ => 0.5 * (1.0 + nodes[node]),
-    };
-    Matrix::from_fn(order.pow(dimension), per_direction.pow(dimension), |i, a| {
-        (0..dimension).map(|d| value(i / order.pow(d) % order, a / per_direction.pow(d) % per_direction)).product()
-    })
+impl CoarseLevelUse {
+    /// Whether there is one at these scales.
+    pub fn serves(self, scales: TimeScales) -> bool {
+        self == CoarseLevelUse::Always || scales.damping == 0.0
+    }
+
+    /// Coarse unknowns for which the direct solver pays. The work of a slab grows with their number in every iteration, that of a steady flow
+    /// falls more; and in three dimensions factors fill more.
+    fn affordable(self, dimension: u32) -> usize {
+        if self == CoarseLevelUse::Undamped && dimension == 2 { 60_000 } else { 16_000 }
+    }
+
+    /// The most aggregates of a flow of so many `components` and this `order`.
+    pub fn most_aggregates(self, components: usize, dimension: u32, order: usize) -> usize {
+        self.affordable(dimension) / (components * functions_per_direction(order).pow(dimension))
+    }
 }
 
-/// The part of B P that a link brings to its cell: rows traces of the cell, columns coarse functions of the neighbour.
-struct CoupledImage {
+/// Coarse functions of one component in one direction: 2 of degree 1, or one constant if cells have no more.
+pub fn functions_per_direction(order: usize) -> usize {
+    if order > 2 { 2 } else { 1 }
+}
+
+/// The part of B P that a link brings to its cell: rows traces of the cell, columns functions of the aggregate of the neighbour.
+struct CoupledImage<T> {
     link: Link,
-    image: Mat<f64>,
+    image: Mat<T>,
 }
 
-/// The coarse level of a mode with a real eigenvalue.
-pub struct CoarseLevel {
+/// The coarse level of all modes.
+pub struct CoarseLevel<T: Entry> {
     layout: Layout,
-    prolongation: Matrix,
-    /// P of a cell, all components.
-    p: Mat<f64>,
-    /// T_f P.
-    traces: Vec<Mat<f64>>,
-    /// B_ii P of every cell.
-    images: Vec<Mat<f64>>,
-    /// B_ik P of every cell.
-    coupled: Vec<Vec<CoupledImage>>,
+    aggregates: Aggregates,
+    /// Coarse unknowns of an aggregate.
+    block: usize,
+    /// P of every cell, one component: `[node][function]`.
+    prolongations: Vec<Mat<T>>,
+    /// dt sum_k A_ik P_k of every cell i over the cells k of its aggregate.
+    images: Vec<Mat<T>>,
+    /// M_i P_i of every cell, one component.
+    masses: Vec<Mat<T>>,
+    /// dt A_ik P_k of every cell i and its neighbours k in other aggregates.
+    coupled: Vec<Vec<CoupledImage<T>>>,
+    /// The aggregates beside every aggregate.
+    neighbours: Vec<Vec<usize>>,
     tree: Arc<EliminationTree>,
-    /// Of P^T B P, once it is assembled.
-    factors: Option<Factorisation<f64>>,
-    coefficients: Vec<f64>,
-    solve: Vec<f64>,
-    rest: Vec<f64>,
+    /// The factors for every mode.
+    modes: Vec<CoarseMode<T>>,
+    /// See [`products_with`].
+    shifted: Vec<Vec<(usize, f64)>>,
+    /// Right-hand sides and solutions, `[column][aggregate][component][function]`.
+    coefficients: Vec<T>,
 }
 
-impl CoarseLevel {
-    /// The coarse level of lambda M + dt A, with dt and the one mode of `sweeps`, undamped; `order` nodes per direction.
+impl<T: Entry> CoarseLevel<T> {
+    /// The coarse level of the modes of `sweeps`, which precondition the flow of `operator`; `damping` is added to all lambda. There are at most
+    /// `most` aggregates. None if a coarse matrix is singular.
     ///
     /// # Errors
     /// If memory runs out.
-    pub fn new(sweeps: &BlockIlu<f64>, order: usize) -> Result<Option<Self>, sparse::Error> {
-        let (layout, links, jacobian) = (sweeps.layout, sweeps.links(), &sweeps.jacobian);
-        let (components, dimension) = (jacobian.block / jacobian.traces.nodes, layout.nodes.ilog(order));
-        let functions = functions_per_direction(layout.cells, components, dimension, order);
-        let prolongation = prolongation(dimension, order, functions);
-        let p = over_components(&prolongation, components);
-        let faces = links.iter().flatten().map(|link| link.face + 1).max().unwrap_or(0);
-        let traces = (0..faces).map(|face| traces_of(&jacobian.traces, face, &p)).collect();
+    pub fn new<const D: usize, const M: usize>(
+        operator: &SlabOperator<D, M>,
+        sweeps: &BlockIlu<T>,
+        damping: f64,
+        most: usize,
+    ) -> Result<Option<Self>, sparse::Error> {
+        let (layout, order) = (sweeps.layout, operator.tables.orders.flow);
+        let per_direction = functions_per_direction(order);
+        let aggregates = neighbourhood(operator, sweeps).aggregates(most);
+        let prolongation = |cell| aggregates.prolongation(cell, order, D, per_direction);
+        let block = M * per_direction.pow(D as u32);
+        let neighbours = neighbours(&aggregates, sweeps.links());
         let coarse = CoarseLevel {
             layout,
-            prolongation,
-            traces,
+            block,
+            prolongations: (0..layout.cells).map(|cell| entries(&prolongation(cell))).collect(),
             images: Vec::new(),
+            masses: Vec::new(),
             coupled: Vec::new(),
-            tree: Arc::new(zero_matrix(links, p.ncols()).elimination_tree()?),
-            factors: None,
-            coefficients: vec![0.0; layout.cells * p.ncols()],
-            solve: Vec::new(),
-            rest: vec![0.0; layout.len()],
-            p,
+            tree: Arc::new(BlockMatrix::<T>::new(Kind::Lu, block, neighbours.clone()).elimination_tree()?),
+            neighbours,
+            modes: Vec::new(),
+            shifted: Vec::new(),
+            coefficients: vec![T::default(); sweeps.modes.forward.rows() * aggregates.cells.len() * block],
+            aggregates,
         };
-        Ok(coarse.updated(sweeps))
+        Ok(coarse.updated(sweeps, damping))
     }
 
-    /// The same with the dt and the A that `sweeps` have now; None if the coarse matrix is singular.
-    pub fn updated(mut self, sweeps: &BlockIlu<f64>) -> Option<Self> {
-        let (dt, lambda) = (sweeps.dt, sweeps.modes.eigenvalues[0].re);
-        let (jacobian, t, traces) = (&sweeps.jacobian, sweeps.jacobian.traces.len(), &self.traces);
-        let image = |cell: usize| diagonal_block(jacobian, cell, dt, lambda) * &self.p;
-        self.images = (0..self.layout.cells).into_par_iter().map(image).collect();
-        let coupled_image = |link: &Link| {
-            let block = MatRef::from_column_major_slice(coupling_block(jacobian, *link), t, t);
-            CoupledImage { link: *link, image: faer::Scale(dt) * (block * &traces[link.other_face]) }
-        };
-        self.coupled = sweeps.links().par_iter().map(|links| links.iter().map(coupled_image).collect()).collect();
+    /// The same with the dt and the A that `sweeps` have now; None if a coarse matrix is singular.
+    pub fn updated(mut self, sweeps: &BlockIlu<T>, damping: f64) -> Option<Self> {
         // The memory of old factors is free before new ones are made.
-        self.factors = None;
-        self.factors = Some(self.assemble(sweeps.links()).factor(self.tree.clone()).ok()?);
+        self.modes = Vec::new();
+        let mass = |(cell, p): (usize, &Mat<T>)| scaled(1.0, sweeps.jacobian.mass_of(cell), self.layout.nodes) * p;
+        self.masses = self.prolongations.par_iter().enumerate().map(mass).collect();
+        let images = (0..self.layout.cells).into_par_iter().map(|cell| self.images_of(sweeps, cell));
+        (self.images, self.coupled) = images.unzip();
+        let shifts: Vec<c64> = sweeps.modes.eigenvalues.iter().map(|lambda| lambda + damping).collect();
+        self.modes = shifts.iter().map(|lambda| self.factored(sweeps, *lambda)).collect::<Option<_>>()?;
+        self.shifted = products_with(&shifts);
         Some(self)
     }
 
-    /// P^T B P.
-    fn assemble(&self, links: &[Vec<Link>]) -> BlockMatrix<f64> {
-        let mut matrix = zero_matrix(links, self.p.ncols());
+    /// dt A P in the rows of `cell`.
+    fn images_of(&self, sweeps: &BlockIlu<T>, cell: usize) -> (Mat<T>, Vec<CoupledImage<T>>) {
+        let (dt, jacobian, of_cell) = (sweeps.dt, &sweeps.jacobian, &self.aggregates.of_cell);
+        let traces = &jacobian.traces;
+        let mut own = scaled(dt, jacobian.block_of(cell), jacobian.block) * self.over_components(cell);
+        let mut coupled = Vec::new();
+        for link in &sweeps.links()[cell] {
+            let block = scaled(dt, coupling_block(jacobian, *link), traces.len());
+            let image = block * traces_of(traces, link.other_face, &self.over_components(link.cell));
+            if of_cell[link.cell] == of_cell[cell] {
+                for j in 0..self.block {
+                    add_lifted(traces, link.face, image.col_as_slice(j), own.col_as_slice_mut(j));
+                }
+            } else {
+                coupled.push(CoupledImage { link: *link, image });
+            }
+        }
+        (own, coupled)
+    }
+
+    /// P of all components of a cell: one block for each.
+    fn over_components(&self, cell: usize) -> Mat<T> {
+        let p = &self.prolongations[cell];
+        let (nodes, functions) = (p.nrows(), p.ncols());
+        Mat::from_fn(self.block / functions * nodes, self.block, |i, j| {
+            if i / nodes == j / functions { p[(i % nodes, j % functions)] } else { T::default() }
+        })
+    }
+
+    /// The factors of a mode; None if its matrix is singular.
+    fn factored(&self, sweeps: &BlockIlu<T>, lambda: c64) -> Option<CoarseMode<T>> {
+        let tree = self.tree.clone();
+        let (re, im) = (T::of(lambda.re), T::of(lambda.im));
+        Some(if is_real(lambda) {
+            let matrix = self.assemble(sweeps, |a, m| a + re * m);
+            CoarseMode::Real(matrix.factor(tree).ok()?, Vec::new())
+        } else {
+            let matrix = self.assemble(sweeps, |a, m| T::pair(a + re * m, im * m));
+            CoarseMode::Complex(matrix.factor(tree).ok()?, Default::default())
+        })
+    }
+
+    /// P^T B P, with `entry`(dt P^T A P, P^T M P).
+    fn assemble<E: Scalar>(&self, sweeps: &BlockIlu<T>, entry: impl Fn(T, T) -> E) -> BlockMatrix<E> {
+        let of_cell = &self.aggregates.of_cell;
+        let mut matrix = BlockMatrix::new(Kind::Lu, self.block, self.neighbours.clone());
         for (cell, (image, coupled)) in self.images.iter().zip(&self.coupled).enumerate() {
-            let own = self.p.transpose() * image;
-            matrix.add(cell, cell, |i, j| own[(i, j)]);
+            let (p, functions) = (self.over_components(cell), self.prolongations[cell].ncols());
+            let (own, mass) = (p.transpose() * image, self.prolongations[cell].transpose() * &self.masses[cell]);
+            matrix.add(of_cell[cell], of_cell[cell], |i, j| {
+                let same = i / functions == j / functions;
+                entry(own[(i, j)], if same { mass[(i % functions, j % functions)] } else { T::default() })
+            });
             for CoupledImage { link, image } in coupled {
-                let block = self.traces[link.face].transpose() * image;
-                matrix.add(cell, link.cell, |i, j| block[(i, j)]);
+                let block = traces_of(&sweeps.jacobian.traces, link.face, &p).transpose() * image;
+                matrix.add(of_cell[cell], of_cell[link.cell], |i, j| entry(block[(i, j)], T::default()));
             }
         }
         matrix
@@ -130,101 +200,158 @@ impl CoarseLevel {
 
     /// Bytes of B P and of the factors.
     pub fn bytes(&self) -> usize {
-        let images = self.images.iter().chain(self.coupled.iter().flatten().map(|coupled| &coupled.image));
-        let factors = self.factors.as_ref().map_or(0, Factorisation::bytes);
-        images.map(|image| image.nrows() * image.ncols() * size_of::<f64>()).sum::<usize>() + factors
+        let images = self.images.iter().chain(&self.masses).chain(&self.prolongations);
+        let images = images.chain(self.coupled.iter().flatten().map(|coupled| &coupled.image));
+        let factors: usize = self.modes.iter().map(CoarseMode::bytes).sum();
+        images.map(|image| image.nrows() * image.ncols() * size_of::<T>()).sum::<usize>() + factors
     }
 
-    /// z by (two-level).
-    pub fn apply(&mut self, sweeps: &mut BlockIlu<f64>, r: &[f64], z: &mut [f64]) {
-        self.restrict(r);
-        if let Some(factors) = &self.factors {
-            factors.solve(&mut self.coefficients, 1, &mut self.solve);
-        }
-        let mut rest = std::mem::take(&mut self.rest);
-        rest.copy_from_slice(r);
-        self.subtract_images(&sweeps.jacobian.traces, &mut rest);
-        sweeps.apply(&rest, z);
-        self.rest = rest;
-        self.add_prolonged(z);
+    /// The steps of (two-level) before the sweeps: x_1, and c - B x_1 in the place of c.
+    pub(super) fn solve(&mut self, sweeps: &mut BlockIlu<T>) {
+        self.restrict(sweeps);
+        solve_modes(&mut self.modes, self.aggregates.cells.len() * self.block, &mut self.coefficients);
+        self.subtract_images(sweeps);
     }
 
-    /// Coarse functions of a cell.
-    fn columns(&self) -> usize {
-        self.coefficients.len() / self.layout.cells
-    }
-
-    /// P^T r.
-    fn restrict(&mut self, r: &[f64]) {
-        let (nodes, functions) = (self.prolongation.rows(), self.prolongation.cols());
-        let components = self.coefficients.par_chunks_exact_mut(functions).zip(r.par_chunks_exact(nodes));
-        components.with_min_len(64).for_each(|(coarse, r)| {
-            coarse.fill(0.0);
-            for (i, r) in r.iter().enumerate() {
-                coarse.iter_mut().zip(self.prolongation.row(i)).for_each(|(c, p)| *c += p * r);
-            }
-        });
-    }
-
-    /// z += P x for the coefficients x.
-    fn add_prolonged(&self, z: &mut [f64]) {
-        let (nodes, functions) = (self.prolongation.rows(), self.prolongation.cols());
-        let components = z.par_chunks_exact_mut(nodes).zip(self.coefficients.par_chunks_exact(functions));
-        components.with_min_len(64).for_each(|(z, coarse)| {
-            for (i, z) in z.iter_mut().enumerate() {
-                *z += self.prolongation.row(i).iter().zip(coarse).map(|(p, c)| p * c).sum::<f64>();
-            }
-        });
-    }
-
-    /// rest -= B P x.
-    fn subtract_images(&self, traces: &TraceSpace, rest: &mut [f64]) {
-        let columns = self.columns();
-        let x = |cell: usize| &self.coefficients[cell * columns..(cell + 1) * columns];
-        let cells = rest.par_chunks_exact_mut(self.layout.cell_len()).enumerate().with_min_len(16);
-        cells.for_each_init(
-            || vec![0.0; traces.len()],
-            |sent, (cell, rest)| {
-                subtract_product(&self.images[cell], x(cell), rest);
-                for CoupledImage { link, image } in &self.coupled[cell] {
-                    sent.fill(0.0);
-                    subtract_product(image, x(link.cell), sent);
-                    for (trace, sent) in sent.iter().enumerate() {
-                        let (offset, functional) = traces.functional(link.face, trace);
-                        functional.iter().for_each(|&(node, weight)| rest[offset + node] += weight * sent);
+    /// P^T c.
+    fn restrict(&mut self, sweeps: &BlockIlu<T>) {
+        let (nodes, block) = (self.layout.nodes, sweeps.jacobian.block);
+        let (aggregates, prolongations) = (&self.aggregates.cells, &self.prolongations);
+        self.coefficients.par_chunks_exact_mut(self.block).enumerate().with_min_len(16).for_each(|(k, coarse)| {
+            let first = k / aggregates.len() * padded(block);
+            coarse.fill(T::default());
+            for &cell in &aggregates[k % aggregates.len()] {
+                let (swept, p) = (sweeps.swept[sweeps.ordering.positions[cell]].read(), &prolongations[cell]);
+                let c = swept.right_side[first..first + block].chunks_exact(nodes);
+                for (coarse, c) in coarse.chunks_exact_mut(p.ncols()).zip(c) {
+                    for (j, x) in coarse.iter_mut().enumerate() {
+                        p.col_as_slice(j).iter().zip(c).for_each(|(p, c)| *x += *p * T::of(f64::from(*c)));
                     }
+                }
+            }
+        });
+    }
+
+    /// x of the aggregate of a cell in a column.
+    fn x(&self, column: usize, cell: usize) -> &[T] {
+        let first = (column * self.aggregates.cells.len() + self.aggregates.of_cell[cell]) * self.block;
+        &self.coefficients[first..first + self.block]
+    }
+
+    /// c -= B P x.
+    fn subtract_images(&self, sweeps: &mut BlockIlu<T>) {
+        let (rows, n) = (padded(sweeps.jacobian.block), sweeps.jacobian.block);
+        let traces = &sweeps.jacobian.traces;
+        let cells = sweeps.swept.par_iter_mut().zip(&sweeps.ordering.cells).with_min_len(16);
+        cells.for_each_init(
+            || (vec![T::default(); n], vec![T::default(); traces.len()]),
+            |(image, sent), (swept, &cell)| {
+                for (column, c) in swept.get().right_side.chunks_exact_mut(rows).enumerate() {
+                    image.fill(T::default());
+                    add_product(&self.images[cell], self.x(column, cell), image);
+                    self.add_mass_product(column, cell, image);
+                    for coupled in &self.coupled[cell] {
+                        sent.fill(T::default());
+                        add_product(&coupled.image, self.x(column, coupled.link.cell), sent);
+                        add_lifted(traces, coupled.link.face, sent, image);
+                    }
+                    c.iter_mut().zip(&*image).for_each(|(c, image)| *c -= Into::<f64>::into(*image) as f32);
                 }
             },
         );
     }
-}
 
-/// The matrix without entries of the coarse unknowns of cells, `block` in each.
-fn zero_matrix(links: &[Vec<Link>], block: usize) -> BlockMatrix<f64> {
-    let neighbours = links.iter().map(|links| links.iter().map(|link| link.cell).collect()).collect();
-    BlockMatrix::new(Kind::Lu, block, neighbours)
-}
+    /// image += lambda M P x in a column.
+    fn add_mass_product(&self, column: usize, cell: usize, image: &mut [T]) {
+        let mass = &self.masses[cell];
+        for &(other, factor) in &self.shifted[column] {
+            let x = self.x(other, cell).chunks_exact(mass.ncols());
+            for (image, x) in image.chunks_exact_mut(mass.nrows()).zip(x) {
+                for (j, x) in x.iter().enumerate() {
+                    let x = T::of(factor) * *x;
+                    image.iter_mut().zip(mass.col_as_slice(j)).for_each(|(image, m)| *image += *m * x);
+                }
+            }
+        }
+    }
 
-/// y -= A x, column by column.
-fn subtract_product(matrix: &Mat<f64>, x: &[f64], y: &mut [f64]) {
-    for (j, x) in x.iter().enumerate() {
-        let column = matrix.col_as_slice(j);
-        y.iter_mut().zip(column).for_each(|(y, a)| *y -= a * x);
+    /// Adds x_1 = P x to the results of the sweeps.
+    pub(super) fn add_prolonged(&self, sweeps: &mut BlockIlu<T>) {
+        let (nodes, rows) = (self.layout.nodes, padded(sweeps.jacobian.block));
+        sweeps.swept.par_iter_mut().zip(&sweeps.ordering.cells).with_min_len(16).for_each(|(swept, &cell)| {
+            let p = &self.prolongations[cell];
+            for (column, z) in swept.get().result.chunks_exact_mut(rows).enumerate() {
+                let coarse = self.x(column, cell).chunks_exact(p.ncols());
+                for (z, coarse) in z.chunks_exact_mut(nodes).zip(coarse) {
+                    for (j, x) in coarse.iter().enumerate() {
+                        let column = p.col_as_slice(j);
+                        z.iter_mut().zip(column).for_each(|(z, p)| *z += Into::<f64>::into(*p * *x) as f32);
+                    }
+                }
+            }
+        });
     }
 }
 
-/// P of all components of a cell: one block for each.
-fn over_components(p: &Matrix, components: usize) -> Mat<f64> {
-    let (nodes, functions) = (p.rows(), p.cols());
-    Mat::from_fn(components * nodes, components * functions, |i, j| {
-        if i / nodes == j / functions { p.row(i % nodes)[j % functions] } else { 0.0 }
-    })
+/// How the cells of `operator` are coupled.
+fn neighbourhood<'a, T: Entry, const D: usize, const M: usize>(
+    operator: &SlabOperator<D, M>,
+    sweeps: &'a BlockIlu<T>,
+) -> Neighbourhood<'a> {
+    let jacobian = &sweeps.jacobian;
+    let size = |block: &[T]| block.iter().map(|&a| a.into() * a.into()).sum::<f64>();
+    let strength = |coupling: &Coupling<T>| (size(&coupling.minus_plus) + size(&coupling.plus_minus)).sqrt();
+    let volume = |cell| jacobian.mass_of(cell).iter().map(|&m| m.into()).sum();
+    Neighbourhood {
+        dimension: D,
+        order: operator.tables.orders.flow,
+        links: sweeps.links(),
+        lattices: operator.lattices_of_couplings(),
+        strengths: jacobian.couplings.iter().map(strength).collect(),
+        volumes: (0..sweeps.layout.cells).map(volume).collect(),
+    }
+}
+
+/// The aggregates that are beside every aggregate.
+fn neighbours(aggregates: &Aggregates, links: &[Vec<Link>]) -> Vec<Vec<usize>> {
+    let of_cells = |cells: &Vec<usize>| {
+        let others = cells.iter().flat_map(|&cell| &links[cell]).map(|link| aggregates.of_cell[link.cell]);
+        others.collect()
+    };
+    aggregates.cells.iter().map(of_cells).collect()
+}
+
+/// factor A for a square matrix of n rows, by columns.
+fn scaled<T: Entry>(factor: f64, a: &[T], n: usize) -> Mat<T> {
+    Mat::from_fn(n, n, |i, j| T::of(factor * a[j * n + i].into()))
+}
+
+/// `matrix` in numbers of type `T`.
+fn entries<T: Entry>(matrix: &Mat<f64>) -> Mat<T> {
+    Mat::from_fn(matrix.nrows(), matrix.ncols(), |i, j| T::of(matrix[(i, j)]))
+}
+
+/// y += A x, column by column.
+fn add_product<T: Entry>(matrix: &Mat<T>, x: &[T], y: &mut [T]) {
+    for (j, x) in x.iter().enumerate() {
+        y.iter_mut().zip(matrix.col_as_slice(j)).for_each(|(y, a)| *y += *a * *x);
+    }
+}
+
+/// image += T_f^T sent.
+fn add_lifted<T: Entry>(traces: &TraceSpace, face: usize, sent: &[T], image: &mut [T]) {
+    for (trace, sent) in sent.iter().enumerate() {
+        let (offset, functional) = traces.functional(face, trace);
+        functional.iter().for_each(|&(node, weight)| image[offset + node] += T::of(weight) * *sent);
+    }
 }
 
 /// T_f P: the traces of the coarse functions on `face`.
-fn traces_of(traces: &TraceSpace, face: usize, p: &Mat<f64>) -> Mat<f64> {
+fn traces_of<T: Entry>(traces: &TraceSpace, face: usize, p: &Mat<T>) -> Mat<T> {
     Mat::from_fn(traces.len(), p.ncols(), |trace, column| {
         let (offset, functional) = traces.functional(face, trace);
-        functional.iter().map(|&(node, weight)| weight * p[(offset + node, column)]).sum()
+        let mut sum = T::default();
+        functional.iter().for_each(|&(node, weight)| sum += T::of(weight) * p[(offset + node, column)]);
+        sum
     })
 }

@@ -60,7 +60,7 @@ impl<T: Stored> BlockIlu<T> {
     }
 
     /// All but the factors.
-    fn unfactored<const D: usize, const M: usize>(
+    pub(super) fn unfactored<const D: usize, const M: usize>(
         operator: &SlabOperator<D, M>,
         dt: f64,
         ordering: Option<Ordering>,
@@ -123,8 +123,8 @@ impl<T: Stored> BlockIlu<T> {
         self.factor_beside(scales, other)
     }
 
-    /// The same while `other` works.
-    fn factor_beside<R: Send>(&mut self, scales: TimeScales, other: impl FnOnce(&Self) -> R + Send) -> R {
+    /// Factors the modes while `other` works.
+    pub(super) fn factor_beside<R: Send>(&mut self, scales: TimeScales, other: impl FnOnce(&Self) -> R + Send) -> R {
         self.dt = scales.dt;
         let mut inverses = std::mem::take(&mut self.inverses);
         let ((), result) = rayon::join(|| self.factorise(scales, &mut inverses), || other(self));
@@ -192,6 +192,27 @@ impl<T: Stored> BlockIlu<T> {
         });
     }
 
+    /// z by the sweeps; `before` and `after` them something else is done with the modes, by means of `room`.
+    pub(super) fn apply_between<R>(
+        &mut self,
+        r: &[f64],
+        z: &mut [f64],
+        room: &mut R,
+        before: impl FnOnce(&mut R, &mut Self),
+        after: impl FnOnce(&R, &mut Self),
+    ) {
+        let scale = largest(&self.share, r);
+        if scale == 0.0 {
+            z.fill(0.0);
+            return;
+        }
+        self.split_into_modes(r, scale);
+        before(room, self);
+        self.sweep();
+        after(room, self);
+        self.join_modes(scale, z);
+    }
+
     /// z = (Q (x) I) c.
     fn join_modes(&self, scale: f64, z: &mut [f64]) {
         let rows = padded(self.jacobian.block);
@@ -207,14 +228,7 @@ impl<T: Stored> BlockIlu<T> {
 
 impl<T: Stored> Preconditioner for BlockIlu<T> {
     fn apply(&mut self, r: &[f64], z: &mut [f64]) {
-        let scale = largest(&self.share, r);
-        if scale == 0.0 {
-            z.fill(0.0);
-            return;
-        }
-        self.split_into_modes(r, scale);
-        self.sweep();
-        self.join_modes(scale, z);
+        self.apply_between(r, z, &mut (), |_, _| (), |_, _| ());
     }
 }
 

@@ -6,11 +6,14 @@
 //!
 //! with ONE Jacobian A and mass matrix M of the operator of space, taken in the middle of a slab. The temporal modes
 //! separate into systems (lambda M + dt A) x = c, one for each real eigenvalue and one for each complex pair. Each is
-//! replaced by its block ILU(0), and all of them are swept at once. Steady flows have one real mode, and a coarse level for it.
+//! replaced by its block ILU(0), and all of them are swept at once. Steady flows, which have one real mode, and long slabs of large meshes
+//! have a coarse level too.
 
+mod aggregates;
 mod bf16_blocks;
 mod blocks;
 mod coarse;
+mod coarse_modes;
 mod couplings;
 mod cuts;
 mod face_traces;
@@ -26,7 +29,7 @@ mod singles;
 mod sweeps;
 mod two_level;
 
-pub use coarse::{CoarseLevel, functions_per_direction as coarse_functions_per_direction};
+pub use coarse::{CoarseLevelUse, functions_per_direction as coarse_functions_per_direction};
 pub use ilu::BlockIlu;
 pub use lines::LinePreconditioner;
 pub use low_order::{VECTORS as LOW_ORDER_VECTORS, low_order};

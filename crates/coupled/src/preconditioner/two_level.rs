@@ -1,75 +1,80 @@
-//! Block ILU(0) with a coarse level, for steady flows.
+//! Block ILU(0) with a coarse level: for steady flows, and for long slabs of large meshes.
 
-use super::coarse::CoarseLevel;
+use super::coarse::{CoarseLevel, CoarseLevelUse};
+use super::coarse_modes::Entry;
 use super::ilu::BlockIlu;
 use super::ordering::Ordering;
 use super::{FactoredModes, FlowPreconditioner, TimeScales};
 use fem::SlabOperator;
 use newton_krylov::operator::Preconditioner;
 
-/// Block ILU(0), with a coarse level as soon as pseudo-time does not damp the flow.
+/// Block ILU(0) with a coarse level. The sweeps work alone where a coarse matrix is singular, or the memory does not suffice to order it.
 ///
-/// As long as it does, the sweeps work alone. With exact solves Newton's method can then converge to spurious solutions; loose ones keep to
-/// the path of the flow in time.
-///
-/// The Jacobian is in double precision, for the coarse level: in it large entries cancel.
-pub struct TwoLevel {
-    sweeps: BlockIlu<f64>,
-    coarse: Option<CoarseLevel>,
+/// For steady flows the Jacobian is in double precision: without a time step, large entries cancel in the coarse matrix.
+pub struct TwoLevel<T: Entry> {
+    sweeps: BlockIlu<T>,
+    coarse: Option<CoarseLevel<T>>,
+    when: CoarseLevelUse,
+    /// The most aggregates.
+    most: usize,
 }
 
-impl TwoLevel {
+impl<T: Entry> TwoLevel<T> {
     /// The preconditioner of the Jacobian of `operator` in the middle of its slab.
     pub fn new<const D: usize, const M: usize>(
         operator: &SlabOperator<D, M>,
         scales: TimeScales,
         ordering: Option<Ordering>,
+        when: CoarseLevelUse,
     ) -> Self {
-        let mut levels = TwoLevel { sweeps: BlockIlu::new(operator, scales, ordering), coarse: None };
-        if scales.damping == 0.0 {
-            levels.update_both(operator, scales);
-        }
-        levels
+        let most = when.most_aggregates(M, D as u32, operator.tables.orders.flow);
+        Self::with_aggregates(operator, scales, ordering, (when, most))
     }
 
-    /// Both levels; the sweeps alone where the coarse matrix is singular, or too large.
-    fn update_both<const D: usize, const M: usize>(&mut self, operator: &SlabOperator<D, M>, scales: TimeScales) {
-        let (old, order) = (self.coarse.take(), operator.tables.orders.flow);
-        self.coarse = self.sweeps.update_beside(operator, scales, |sweeps| match old {
-            Some(coarse) => coarse.updated(sweeps),
-            None => CoarseLevel::new(sweeps, order).ok().flatten(),
-        });
+    /// The same with at most `most` aggregates of cells.
+    pub fn with_aggregates<const D: usize, const M: usize>(
+        operator: &SlabOperator<D, M>,
+        scales: TimeScales,
+        ordering: Option<Ordering>,
+        (when, most): (CoarseLevelUse, usize),
+    ) -> Self {
+        let mut sweeps = BlockIlu::unfactored(operator, scales.dt, ordering);
+        let new = |sweeps: &BlockIlu<T>| CoarseLevel::new(operator, sweeps, scales.damping, most).ok().flatten();
+        let coarse = sweeps.factor_beside(scales, |sweeps| if when.serves(scales) { new(sweeps) } else { None });
+        TwoLevel { sweeps, coarse, when, most }
     }
 }
 
-impl<const D: usize, const M: usize> FlowPreconditioner<D, M> for TwoLevel {
+impl<const D: usize, const M: usize, T: Entry + 'static> FlowPreconditioner<D, M> for TwoLevel<T> {
     fn updated(
         mut self: Box<Self>,
         flow: &SlabOperator<D, M>,
         scales: TimeScales,
     ) -> Box<dyn FlowPreconditioner<D, M>> {
-        if scales.damping == 0.0 {
-            self.update_both(flow, scales);
-        } else {
-            self.coarse = None;
-            self.sweeps.update(flow, scales);
-        }
+        let (old, when, most) = (self.coarse.take(), self.when, self.most);
+        self.coarse = self.sweeps.update_beside(flow, scales, |sweeps| match old {
+            _ if !when.serves(scales) => None,
+            Some(coarse) => coarse.updated(sweeps, scales.damping),
+            None => CoarseLevel::new(flow, sweeps, scales.damping, most).ok().flatten(),
+        });
         self
     }
 }
 
-impl Preconditioner for TwoLevel {
+impl<T: Entry> Preconditioner for TwoLevel<T> {
     fn apply(&mut self, r: &[f64], z: &mut [f64]) {
-        match &mut self.coarse {
-            Some(coarse) => coarse.apply(&mut self.sweeps, r, z),
-            None => self.sweeps.apply(r, z),
+        let TwoLevel { sweeps, coarse, .. } = self;
+        match coarse {
+            Some(coarse) => sweeps.apply_between(r, z, coarse, CoarseLevel::solve, CoarseLevel::add_prolonged),
+            None => sweeps.apply(r, z),
         }
     }
 }
 
-impl FactoredModes for TwoLevel {
+impl<T: Entry> FactoredModes for TwoLevel<T> {
     fn factor(&mut self, scales: TimeScales) {
-        self.sweeps.factor(scales);
+        let old = self.coarse.take();
+        self.coarse = self.sweeps.factor_beside(scales, |sweeps| old?.updated(sweeps, scales.damping));
     }
     fn ordering(&self) -> Ordering {
         self.sweeps.ordering()

@@ -159,7 +159,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         }
         let norm = self.report.final_norm();
         let aim = self.tolerances.aim(norm, self.report.final_field_norms());
-        let forcing = self.settings.forcing.next(norm, self.previous, aim);
+        let forcing = self.settings.forcing.next(norm, self.previous, aim, self.pseudo_time.is_active());
         self.previous = Some(Previous { norm, forcing });
         let mut rejections = 0;
         loop {

@@ -1,0 +1,170 @@
+//! Aggregates of cells: the supports of the functions of [`super::coarse::CoarseLevel`].
+//!
+//! Rounds of pairing join strongly coupled neighbours: across thin cells first. An aggregate has coordinates that continue the reference
+//! coordinates of one of its cells from neighbour to neighbour, so that coarse functions follow curved and thin cells.
+
+use super::blocks::Link;
+use basis::{Lagrange, Matrix};
+use faer::Mat;
+use mesh::{corner_node, face_nodes};
+use std::collections::BTreeMap;
+
+/// A point in the coordinates of an aggregate; two of them in the plane.
+type Point = [f64; 3];
+
+/// The cells of a mesh, and how they meet.
+pub struct Neighbourhood<'a> {
+    /// 2 or 3.
+    pub dimension: usize,
+    /// Nodes per direction of the lattices.
+    pub order: usize,
+    /// The neighbours of every cell.
+    pub links: &'a [Vec<Link>],
+    /// For every coupling the node in the lattice of the face on the plus side, for every node on the minus side.
+    pub lattices: Vec<Vec<usize>>,
+    /// For every coupling how strong it is: an inverse time, times a volume.
+    pub strengths: Vec<f64>,
+    /// The volumes of the cells.
+    pub volumes: Vec<f64>,
+}
+
+/// The aggregates.
+pub struct Aggregates {
+    /// The aggregate of every cell.
+    pub of_cell: Vec<usize>,
+    /// The cells of every aggregate.
+    pub cells: Vec<Vec<usize>>,
+    /// The corners of every cell, in the coordinates of its aggregate: a box from -1 to 1.
+    corners: Vec<Vec<Point>>,
+}
+
+impl Neighbourhood<'_> {
+    /// Aggregates, at most as many as `most` if pairing gets there.
+    pub fn aggregates(&self, most: usize) -> Aggregates {
+        let mut of_cell: Vec<usize> = (0..self.links.len()).collect();
+        let mut count = of_cell.len();
+        while count > most {
+            let pairs = self.pairs(&of_cell, count);
+            let mut numbers = vec![usize::MAX; count];
+            let mut new = 0;
+            for group in 0..count {
+                if numbers[group] == usize::MAX {
+                    numbers[group] = new;
+                    if let Some(other) = pairs[group] {
+                        numbers[other] = new;
+                    }
+                    new += 1;
+                }
+            }
+            if new == count {
+                break;
+            }
+            of_cell.iter_mut().for_each(|group| *group = numbers[*group]);
+            count = new;
+        }
+        let mut cells = vec![Vec::new(); count];
+        of_cell.iter().enumerate().for_each(|(cell, &aggregate)| cells[aggregate].push(cell));
+        let corners = self.corners(&of_cell, &cells);
+        Aggregates { of_cell, cells, corners }
+    }
+
+    /// For every group the one that it is paired with: the strongest couplings, per volume, are taken first.
+    fn pairs(&self, of_cell: &[usize], count: usize) -> Vec<Option<usize>> {
+        let mut volumes = vec![0.0; count];
+        of_cell.iter().zip(&self.volumes).for_each(|(&group, volume)| volumes[group] += volume);
+        let mut strengths = BTreeMap::new();
+        for (cell, links) in self.links.iter().enumerate() {
+            for link in links {
+                let (a, b) = (of_cell[cell], of_cell[link.cell]);
+                if a < b {
+                    *strengths.entry((a, b)).or_insert(0.0) += self.strengths[link.coupling];
+                }
+            }
+        }
+        let per_volume =
+            |((a, b), strength): ((usize, usize), f64)| (strength / (volumes[a] * volumes[b]).sqrt(), a, b);
+        let mut edges: Vec<(f64, usize, usize)> = strengths.into_iter().map(per_volume).collect();
+        edges.sort_by(|x, y| y.0.total_cmp(&x.0).then((x.1, x.2).cmp(&(y.1, y.2))));
+        let mut pairs = vec![None; count];
+        for (_, a, b) in edges {
+            if pairs[a].is_none() && pairs[b].is_none() {
+                (pairs[a], pairs[b]) = (Some(b), Some(a));
+            }
+        }
+        pairs
+    }
+
+    /// The corners of all cells in the coordinates of their aggregates.
+    fn corners(&self, of_cell: &[usize], aggregates: &[Vec<usize>]) -> Vec<Vec<Point>> {
+        let mut corners = vec![Vec::new(); of_cell.len()];
+        for cells in aggregates {
+            corners[cells[0]] = (0..1 << self.dimension).map(reference_corner).collect();
+            let mut reached = vec![cells[0]];
+            let mut next = 0;
+            while next < reached.len() {
+                let cell = reached[next];
+                next += 1;
+                for link in &self.links[cell] {
+                    if of_cell[link.cell] == of_cell[cell] && corners[link.cell].is_empty() {
+                        corners[link.cell] = self.continued(&corners[cell], link);
+                        reached.push(link.cell);
+                    }
+                }
+            }
+            scale_to_box(cells, &mut corners);
+        }
+        corners
+    }
+
+    /// The corners of the neighbour behind `link`, in the coordinates in which those of the cell are `corners`.
+    fn continued(&self, corners: &[Point], link: &Link) -> Vec<Point> {
+        let (dimension, n) = (self.dimension, self.order);
+        let [nodes, other_nodes] = [link.face, link.other_face].map(|face| face_nodes(dimension, n, face));
+        let corner_of = |node: usize| (0..1 << dimension).find(|&k| corner_node(dimension, n, k) == node);
+        let lattice = &self.lattices[link.coupling];
+        let mut continued = vec![[0.0; 3]; corners.len()];
+        for (minus, &plus) in lattice.iter().enumerate() {
+            let (here, there) = if link.side == 0 { (minus, plus) } else { (plus, minus) };
+            let (Some(k), Some(l)) = (corner_of(nodes[here]), corner_of(other_nodes[there])) else { continue };
+            let (shared, behind) = (corners[k], corners[k ^ 1 << (link.face / 2)]);
+            continued[l] = shared;
+            continued[l ^ 1 << (link.other_face / 2)] = std::array::from_fn(|i| 2.0 * shared[i] - behind[i]);
+        }
+        continued
+    }
+}
+
+impl Aggregates {
+    /// The values of the functions of the aggregate of `cell` at its nodes, `[node][function]`: products of (1 - X) / 2 and (1 + X) / 2 in
+    /// the coordinates X of the aggregate, or 1.
+    pub fn prolongation(&self, cell: usize, order: usize, dimension: usize, per_direction: usize) -> Mat<f64> {
+        let nodes = Lagrange::gauss_lobatto(order).nodes().to_vec();
+        let corners = &self.corners[cell];
+        let shape = |x: f64, side: usize| 0.5 * if side == 0 { 1.0 - x } else { 1.0 + x };
+        let at = |node: usize| -> Point {
+            let xi: Vec<f64> = (0..dimension).map(|d| nodes[node / order.pow(d as u32) % order]).collect();
+            let weight = |k: usize| (0..dimension).map(|d| shape(xi[d], k >> d & 1)).product::<f64>();
+            std::array::from_fn(|i| corners.iter().enumerate().map(|(k, corner)| weight(k) * corner[i]).sum())
+        };
+        let values = Matrix::from_fn(order.pow(dimension as u32), 3, |node, i| at(node)[i]);
+        Mat::from_fn(values.rows(), per_direction.pow(dimension as u32), |node, function| {
+            let factor = |d: usize| shape(values.row(node)[d], function >> d & 1);
+            if per_direction == 1 { 1.0 } else { (0..dimension).map(factor).product() }
+        })
+    }
+}
+
+/// Corner `k` of a reference cell.
+fn reference_corner(k: usize) -> Point {
+    std::array::from_fn(|i| if k >> i & 1 == 1 { 1.0 } else { -1.0 })
+}
+
+/// Scales the corners of `cells` so that they fill a box from -1 to 1.
+fn scale_to_box(cells: &[usize], corners: &mut [Vec<Point>]) {
+    for i in 0..3 {
+        let all = || cells.iter().flat_map(|&cell| corners[cell].iter().map(move |corner| corner[i]));
+        let (low, high) = (all().fold(f64::MAX, f64::min), all().fold(f64::MIN, f64::max));
+        let scale = |x: f64| if high > low { (2.0 * x - low - high) / (high - low) } else { 0.0 };
+        cells.iter().for_each(|&cell| corners[cell].iter_mut().for_each(|corner| corner[i] = scale(corner[i])));
+    }
+}
