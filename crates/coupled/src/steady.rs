@@ -23,12 +23,16 @@ use crate::state::{Interval, State};
 use crate::system::System;
 use fem::FluxesAt;
 use newton_krylov::fgmres;
+use newton_krylov::forcing;
 use newton_krylov::newton::{self, Workspace};
 use newton_krylov::problem::{Inadmissible, NonlinearProblem};
 use newton_krylov::pseudo_time;
 
 /// The length of the slab: so long that u_n has no influence. All terms scale with it, so it costs no digits.
 const LONG: f64 = 1e12;
+
+/// The smallest eta of a step that is damped. Such a step follows the flow in time and does not end at a solution.
+const LOOSE: f64 = 0.02;
 
 /// Replaces `u` by the steady flow of the data at `time`, found from `u` by pseudo-time on the mesh of `problem` displaced by `d`.
 /// `problem` has one node in time and a mesh that stands still; 1/dtau of the settings is per time unit. Tolerance and 1/dtau are those
@@ -61,7 +65,8 @@ pub fn solve_steady<const D: usize, const M: usize>(
     let references = residual_norms(problem, initial)?;
     let pseudo_time = continued(settings.pseudo_time, references[0], residual_norms(problem, u)?[0]);
     let krylov = fgmres::Settings { precision: problem.krylov_precision(), ..settings.krylov };
-    let settings = newton::Settings { absolute_tolerance, pseudo_time, krylov, ..*settings };
+    let forcing = forcing::Settings { damped_minimum: LOOSE, ..settings.forcing };
+    let settings = newton::Settings { absolute_tolerance, pseudo_time, krylov, forcing, ..*settings };
     let mut z = u.to_vec();
     let solved = newton::solve(problem, &mut z, Some(&references), &settings, &mut Workspace::default());
     u.copy_from_slice(&z);

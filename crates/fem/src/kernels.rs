@@ -6,8 +6,10 @@
 use crate::boundary::{FacetFlux, FluxTime};
 use crate::cell::{CellCoefficients, CellContext, CellMassProduct, SlabCells, SpaceCells};
 use crate::conservation_law::ConservationLaw;
+#[cfg(feature = "operation-counts")]
+use crate::counted_mode::{CountedAlongState, CountedValues};
 use crate::facet::{Across, FacetContext, FacetTerms};
-use crate::mode::{AlongState, AlongStateAndMesh, CountedAlongState, CountedValues, Values};
+use crate::mode::{AlongState, AlongStateAndMesh, Values};
 use crate::scratch::{CellScratch, FacetScratch};
 use crate::tables::Tables;
 use crate::time_points::{InTime, TimePoint};
@@ -15,8 +17,8 @@ use crate::two_point::{FacePairs, TwoPointFluxes};
 use basis::Matrix;
 use std::marker::PhantomData;
 use tensor::Arch;
-use tensor::count_operations;
-use tensor::pulp::{Scalar, WithSimd};
+#[cfg(feature = "operation-counts")]
+use tensor::{count_operations, pulp::Scalar, pulp::WithSimd};
 
 /// The quantity that a run of the kernels differentiates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,22 +103,27 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
     );
     /// Derivatives of the fluxes of (low order): between cells, or on `boundary`. `dissipation` is theta.
     fn two_point_fluxes(&self, boundary: Option<usize>, dissipation: f64, pairs: &mut FacePairs);
-    /// Operations at points of one run of [`Self::slab_cells`], in all lanes, counted by a run in scalars.
+    /// Operations at points of one run of [`Self::slab_cells`], in all lanes, counted by a run in scalars. None without the feature
+    /// `operation-counts`: kernels that count are a third of all their code.
     fn count_cells(
         &self,
-        along: Differentiate,
-        context: &CellContext<D>,
-        coefficients: CellCoefficients,
-        scratch: &mut CellScratch,
-    ) -> u64;
+        _along: Differentiate,
+        _context: &CellContext<D>,
+        _coefficients: CellCoefficients,
+        _scratch: &mut CellScratch,
+    ) -> Option<u64> {
+        None
+    }
     /// The same for [`Self::facets`] between cells. The mesh is not differentiated in either.
     fn count_facets(
         &self,
-        along: Differentiate,
-        context: &FacetContext<D>,
-        times: &Times,
-        scratch: &mut FacetScratch,
-    ) -> u64;
+        _along: Differentiate,
+        _context: &FacetContext<D>,
+        _times: &Times,
+        _scratch: &mut FacetScratch,
+    ) -> Option<u64> {
+        None
+    }
     /// The flux out of the domain through the facets of a batch on a boundary, at one time: overwrites `through` of the scratch. Forces do
     /// work at the velocity of the mesh, or at `boundary_velocity` of the scratch where `time` says so.
     fn boundary_flux(&self, context: &FacetContext<D>, time: FluxTime, across: &Across, scratch: &mut FacetScratch);
@@ -236,32 +243,34 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
         self.arch.dispatch(TwoPointFluxes { law: &self.law, condition, dissipation, pairs });
     }
 
+    #[cfg(feature = "operation-counts")]
     fn count_cells(
         &self,
         along: Differentiate,
         context: &CellContext<D>,
         coefficients: CellCoefficients,
         scratch: &mut CellScratch,
-    ) -> u64 {
+    ) -> Option<u64> {
         let law = &self.law;
-        count_operations(|| match along {
+        Some(count_operations(|| match along {
             Differentiate::Nothing => {
                 SlabCells { law, context, coefficients, scratch, mode: PhantomData::<CountedValues> }.with_simd(Scalar)
             }
             _ => SlabCells { law, context, coefficients, scratch, mode: PhantomData::<CountedAlongState> }
                 .with_simd(Scalar),
-        })
+        }))
     }
 
+    #[cfg(feature = "operation-counts")]
     fn count_facets(
         &self,
         along: Differentiate,
         context: &FacetContext<D>,
         times: &Times,
         scratch: &mut FacetScratch,
-    ) -> u64 {
+    ) -> Option<u64> {
         let (law, conditions, across) = (&self.law, &self.conditions[..], &Across::Cells);
-        count_operations(|| match along {
+        Some(count_operations(|| match along {
             Differentiate::Nothing => {
                 let mode = PhantomData::<CountedValues>;
                 FacetTerms { law, conditions, context, times, across, scratch, mode }.with_simd(Scalar);
@@ -270,7 +279,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
                 let mode = PhantomData::<CountedAlongState>;
                 FacetTerms { law, conditions, context, times, across, scratch, mode }.with_simd(Scalar);
             }
-        })
+        }))
     }
 
     fn boundary_flux(&self, context: &FacetContext<D>, time: FluxTime, across: &Across, scratch: &mut FacetScratch) {

@@ -54,6 +54,8 @@ mod cell;
 mod cell_geometry;
 mod collocation;
 mod conservation_law;
+#[cfg(feature = "operation-counts")]
+mod counted_mode;
 mod facet;
 mod facet_area;
 mod facet_evaluation;

@@ -1,7 +1,7 @@
 //! The derivative that a kernel computes: no derivative, by the state, or by the state and the mesh.
 
 use tensor::pulp::Simd;
-use tensor::{Counted, Dual, LaneNumber, Lanes, Over};
+use tensor::{Dual, LaneNumber, Lanes, Over};
 
 /// The number types of one run of the kernels. The same source serves the residual and both Jacobian products.
 pub trait Mode: Send + Sync + Copy {
@@ -45,27 +45,5 @@ impl Mode for AlongStateAndMesh {
     type Geometry<S: Simd> = Dual<Lanes<S>>;
     type State<S: Simd> = Dual<Lanes<S>>;
     const GEOMETRY_BLOCKS: usize = 2;
-    const STATE_BLOCKS: usize = 2;
-}
-
-/// The residual with its operations counted.
-#[derive(Clone, Copy, Debug)]
-pub struct CountedValues;
-
-impl Mode for CountedValues {
-    type Geometry<S: Simd> = Counted<Lanes<S>>;
-    type State<S: Simd> = Counted<Lanes<S>>;
-    const GEOMETRY_BLOCKS: usize = 1;
-    const STATE_BLOCKS: usize = 1;
-}
-
-/// The derivative along a direction of the state with its operations counted.
-#[derive(Clone, Copy, Debug)]
-pub struct CountedAlongState;
-
-impl Mode for CountedAlongState {
-    type Geometry<S: Simd> = Counted<Lanes<S>>;
-    type State<S: Simd> = Dual<Counted<Lanes<S>>>;
-    const GEOMETRY_BLOCKS: usize = 1;
     const STATE_BLOCKS: usize = 2;
 }

@@ -9,15 +9,15 @@ use tensor::WIDTH;
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Operations of one evaluation of the residual or, with [`Differentiate::State`], of one Jacobian product. A batch of cells and a
     /// batch of interior facets are counted and scaled to all cells and interior facets, in the state and on the mesh last set. Traces,
-    /// sources and boundaries are left out.
-    pub fn operations(&self, along: Differentiate) -> u64 {
+    /// sources and boundaries are left out. None without the feature `operation-counts`.
+    pub fn operations(&self, along: Differentiate) -> Option<u64> {
         let facets: usize = self.facets.batches.iter().filter(|batch| batch.boundary.is_none()).map(|b| b.count).sum();
         let of_all = |number: usize, of_batch: u64| of_batch * number as u64 / WIDTH as u64;
-        of_all(self.layout.cells, self.cell_operations(along)) + of_all(facets, self.facet_operations(along))
+        Some(of_all(self.layout.cells, self.cell_operations(along)?) + of_all(facets, self.facet_operations(along)?))
     }
 
     /// Of the first batch of cells, with the state as its own direction.
-    fn cell_operations(&self, along: Differentiate) -> u64 {
+    fn cell_operations(&self, along: Differentiate) -> Option<u64> {
         let (dt, clock) = (self.interval().1, self.clock());
         let (geometry, positions) = (self.geometry.of_cells(0), &self.positions_and_top);
         let context = CellContext { tables: &self.tables, dt, clock, positions, source: None, geometry };
@@ -27,13 +27,13 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             let before = scratch.scratch.multiplications;
             let at_points =
                 self.problem.kernels.count_cells(along, &context, CellCoefficients { state, mesh }, scratch);
-            at_points + in_lanes(scratch.scratch.multiplications - before)
+            Some(at_points? + in_lanes(scratch.scratch.multiplications - before))
         })
     }
 
     /// Of the first batch of facets between cells, if there is one.
-    fn facet_operations(&self, along: Differentiate) -> u64 {
-        let Some(batch) = self.facets.batches.iter().find(|batch| batch.boundary.is_none()) else { return 0 };
+    fn facet_operations(&self, along: Differentiate) -> Option<u64> {
+        let Some(batch) = self.facets.batches.iter().find(|batch| batch.boundary.is_none()) else { return Some(0) };
         let (dt, clock) = (self.interval().1, self.clock());
         let geometry = self.facet_geometry(along, batch);
         let context = FacetContext { tables: &self.tables, dt, clock, geometry };
@@ -49,7 +49,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             self.gather_mesh(Differentiate::Nothing, batch, scratch);
             let before = scratch.scratch.multiplications;
             let at_points = self.problem.kernels.count_facets(along, &context, &times, scratch);
-            at_points + in_lanes(scratch.scratch.multiplications - before)
+            Some(at_points? + in_lanes(scratch.scratch.multiplications - before))
         })
     }
 }

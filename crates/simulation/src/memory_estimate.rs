@@ -34,9 +34,9 @@ const VECTORS_OF_FIRST: usize = 4;
 /// neighbours.
 const NUMBERS_TO_INVERT: usize = 11;
 
-/// The count of numbers in factors and work space of the coarse level of a steady flow, relative to b^2 n log2 n for n cells of b coarse
-/// unknowns. It is 6 to 11 on airfoils and cylinders of 250 to 3600 cells.
-const COARSE_FILL: f64 = 9.5;
+/// The count of numbers in factors and work space of the coarse level, relative to b^2 n log2 n for n aggregates of b coarse
+/// unknowns. It is 5 to 9 on airfoils and cylinders of 250 to 3600 cells.
+const COARSE_FILL: f64 = 8.0;
 
 /// The estimate is accurate to a fifth. A run is refused if it needs this many times the available memory.
 const MARGIN: f64 = 1.25;

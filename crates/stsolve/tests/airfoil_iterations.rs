@@ -53,6 +53,29 @@ fn assert_shorter_slabs_cost_no_more_iterations(set: &[&str], step: f64) {
     }
 }
 
+/// The mesh of the case with twice the cells in each direction: 1840 cells.
+const FINE: [&str; 2] = [
+    "mesh.order=4",
+    "mesh.generate.airfoil={ first_cell = 0.0075, trailing_edge_cell = 0.01, surface_cells = 30, wake_cells = 16, near_wake = { extent = 2, cells = 12 }, normal_cells = 20, near_wall = { extent = 0.6, cells = 14 } }",
+];
+
+/// The first slab shows that slabs are long; all others have a coarse level, and take half of its iterations at most. A run that is resumed
+/// between them has the same one.
+#[test]
+fn long_slabs_of_a_large_mesh_get_a_coarse_level() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let set = [&FINE[..], &["flow.order=4", "time.end=0.4"]].concat();
+    run(at, &set, "whole");
+    let (_, krylov) = work_after(&at.join("whole"), 0.0);
+    println!("Krylov iterations {krylov:?}");
+    assert!(krylov[0] > 15.0 && krylov[1..].iter().all(|later| *later <= 0.5 * krylov[0]), "{krylov:?}");
+    run(at, &[&set[..], &["time.end=0.2"]].concat(), "parts");
+    on_case(at, "run", "naca0012_heave", &set, "parts", &["--resume"]).expect(0, &[]);
+    let lift = |run: &str| column(&at.join(run), "airfoil_force_y");
+    assert_eq!(lift("whole"), lift("parts"));
+}
+
 /// Continues with N_s = 4 and 8 from the same state in motion to `end`: Krylov iterations must not grow by more than
 /// half.
 fn assert_a_higher_order_costs_few_more_iterations(set: &[&str], end: f64) {

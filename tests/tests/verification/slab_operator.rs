@@ -434,7 +434,8 @@ where
     let (mut operator, state) =
         moving_slab_on::<D, M>(rule, &mesh, 0.0, orders, law(viscosity, Riemann::Roe), prescribed());
     operator.linearise(&state);
-    [Differentiate::Nothing, Differentiate::State].map(|along| operator.operations(along) as f64 / state.len() as f64)
+    let counted = |along| operator.operations(along).expect("the feature operation-counts");
+    [Differentiate::Nothing, Differentiate::State].map(|along| counted(along) as f64 / state.len() as f64)
 }
 
 /// A change in the work of the kernels shows here, on any machine.

@@ -4,10 +4,17 @@
 //! coordinates of one of its cells from neighbour to neighbour, so that coarse functions follow curved and thin cells.
 
 use super::blocks::Link;
+use super::ilu::BlockIlu;
 use basis::{Lagrange, Matrix};
 use faer::Mat;
+use fem::{Coupling, SlabOperator, Stored};
 use mesh::{corner_node, face_nodes};
 use std::collections::BTreeMap;
+
+/// Coarse functions of one component in one direction: 2 of degree 1, or one constant if cells have no more.
+pub fn functions_per_direction(order: usize) -> usize {
+    if order > 2 { 2 } else { 1 }
+}
 
 /// A point in the coordinates of an aggregate; two of them in the plane.
 type Point = [f64; 3];
@@ -15,17 +22,17 @@ type Point = [f64; 3];
 /// The cells of a mesh, and how they meet.
 pub struct Neighbourhood<'a> {
     /// 2 or 3.
-    pub dimension: usize,
+    dimension: usize,
     /// Nodes per direction of the lattices.
-    pub order: usize,
+    order: usize,
     /// The neighbours of every cell.
-    pub links: &'a [Vec<Link>],
+    links: &'a [Vec<Link>],
     /// For every coupling the node in the lattice of the face on the plus side, for every node on the minus side.
-    pub lattices: Vec<Vec<usize>>,
+    lattices: Vec<Vec<usize>>,
     /// For every coupling how strong it is: an inverse time, times a volume.
-    pub strengths: Vec<f64>,
+    strengths: Vec<f64>,
     /// The volumes of the cells.
-    pub volumes: Vec<f64>,
+    volumes: Vec<f64>,
 }
 
 /// The aggregates.
@@ -38,7 +45,26 @@ pub struct Aggregates {
     corners: Vec<Vec<Point>>,
 }
 
-impl Neighbourhood<'_> {
+impl<'a> Neighbourhood<'a> {
+    /// That of the cells of `operator`, which `sweeps` precondition.
+    pub fn new<T: Stored, const D: usize, const M: usize>(
+        operator: &SlabOperator<D, M>,
+        sweeps: &'a BlockIlu<T>,
+    ) -> Self {
+        let jacobian = &sweeps.jacobian;
+        let size = |block: &[T]| block.iter().map(|&a| a.into() * a.into()).sum::<f64>();
+        let strength = |coupling: &Coupling<T>| (size(&coupling.minus_plus) + size(&coupling.plus_minus)).sqrt();
+        let volume = |cell| jacobian.mass_of(cell).iter().map(|&m| m.into()).sum();
+        Neighbourhood {
+            dimension: D,
+            order: operator.tables.orders.flow,
+            links: sweeps.links(),
+            lattices: operator.lattices_of_couplings(),
+            strengths: jacobian.couplings.iter().map(strength).collect(),
+            volumes: (0..sweeps.layout.cells).map(volume).collect(),
+        }
+    }
+
     /// Aggregates, at most as many as `most` if pairing gets there.
     pub fn aggregates(&self, most: usize) -> Aggregates {
         let mut of_cell: Vec<usize> = (0..self.links.len()).collect();
@@ -135,6 +161,15 @@ impl Neighbourhood<'_> {
 }
 
 impl Aggregates {
+    /// The aggregates that are beside every aggregate.
+    pub fn neighbours(&self, links: &[Vec<Link>]) -> Vec<Vec<usize>> {
+        let beside = |cells: &Vec<usize>| {
+            let others = cells.iter().flat_map(|&cell| &links[cell]).map(|link| self.of_cell[link.cell]);
+            others.collect()
+        };
+        self.cells.iter().map(beside).collect()
+    }
+
     /// The values of the functions of the aggregate of `cell` at its nodes, `[node][function]`: products of (1 - X) / 2 and (1 + X) / 2 in
     /// the coordinates X of the aggregate, or 1.
     pub fn prolongation(&self, cell: usize, order: usize, dimension: usize, per_direction: usize) -> Mat<f64> {

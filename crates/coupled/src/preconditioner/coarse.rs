@@ -11,51 +11,17 @@
 //! On the airfoil of the heaving cases the last four steps of the steady flow, which pseudo-time does not damp, then take 29 iterations
 //! instead of 117.
 
-use super::TimeScales;
-use super::aggregates::{Aggregates, Neighbourhood};
+use super::aggregates::{Aggregates, Neighbourhood, functions_per_direction};
 use super::blocks::{Link, coupling_block};
 use super::coarse_modes::{CoarseMode, Entry, products_with, solve_modes};
 use super::ilu::BlockIlu;
 use super::panel::padded;
 use basis::is_real;
 use faer::{Mat, c64};
-use fem::{Coupling, Layout, SlabOperator, TraceSpace};
+use fem::{Layout, SlabOperator, TraceSpace};
 use rayon::prelude::*;
 use sparse::{BlockMatrix, EliminationTree, Kind, Scalar};
 use std::sync::Arc;
-
-/// When there is a coarse level.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CoarseLevelUse {
-    /// As soon as pseudo-time does not damp the flow: in the search for a steady flow. With exact solves Newton's method can converge to
-    /// spurious solutions; loose ones keep to the path of the flow in time.
-    Undamped,
-    /// Always: in slabs.
-    Always,
-}
-
-impl CoarseLevelUse {
-    /// Whether there is one at these scales.
-    pub fn serves(self, scales: TimeScales) -> bool {
-        self == CoarseLevelUse::Always || scales.damping == 0.0
-    }
-
-    /// Coarse unknowns for which the direct solver pays. The work of a slab grows with their number in every iteration, that of a steady flow
-    /// falls more; and in three dimensions factors fill more.
-    fn affordable(self, dimension: u32) -> usize {
-        if self == CoarseLevelUse::Undamped && dimension == 2 { 60_000 } else { 16_000 }
-    }
-
-    /// The most aggregates of a flow of so many `components` and this `order`.
-    pub fn most_aggregates(self, components: usize, dimension: u32, order: usize) -> usize {
-        self.affordable(dimension) / (components * functions_per_direction(order).pow(dimension))
-    }
-}
-
-/// Coarse functions of one component in one direction: 2 of degree 1, or one constant if cells have no more.
-pub fn functions_per_direction(order: usize) -> usize {
-    if order > 2 { 2 } else { 1 }
-}
 
 /// The part of B P that a link brings to its cell: rows traces of the cell, columns functions of the aggregate of the neighbour.
 struct CoupledImage<T> {
@@ -102,10 +68,10 @@ impl<T: Entry> CoarseLevel<T> {
     ) -> Result<Option<Self>, sparse::Error> {
         let (layout, order) = (sweeps.layout, operator.tables.orders.flow);
         let per_direction = functions_per_direction(order);
-        let aggregates = neighbourhood(operator, sweeps).aggregates(most);
+        let aggregates = Neighbourhood::new(operator, sweeps).aggregates(most);
         let prolongation = |cell| aggregates.prolongation(cell, order, D, per_direction);
         let block = M * per_direction.pow(D as u32);
-        let neighbours = neighbours(&aggregates, sweeps.links());
+        let neighbours = aggregates.neighbours(sweeps.links());
         let coarse = CoarseLevel {
             layout,
             block,
@@ -291,34 +257,6 @@ impl<T: Entry> CoarseLevel<T> {
             }
         });
     }
-}
-
-/// How the cells of `operator` are coupled.
-fn neighbourhood<'a, T: Entry, const D: usize, const M: usize>(
-    operator: &SlabOperator<D, M>,
-    sweeps: &'a BlockIlu<T>,
-) -> Neighbourhood<'a> {
-    let jacobian = &sweeps.jacobian;
-    let size = |block: &[T]| block.iter().map(|&a| a.into() * a.into()).sum::<f64>();
-    let strength = |coupling: &Coupling<T>| (size(&coupling.minus_plus) + size(&coupling.plus_minus)).sqrt();
-    let volume = |cell| jacobian.mass_of(cell).iter().map(|&m| m.into()).sum();
-    Neighbourhood {
-        dimension: D,
-        order: operator.tables.orders.flow,
-        links: sweeps.links(),
-        lattices: operator.lattices_of_couplings(),
-        strengths: jacobian.couplings.iter().map(strength).collect(),
-        volumes: (0..sweeps.layout.cells).map(volume).collect(),
-    }
-}
-
-/// The aggregates that are beside every aggregate.
-fn neighbours(aggregates: &Aggregates, links: &[Vec<Link>]) -> Vec<Vec<usize>> {
-    let of_cells = |cells: &Vec<usize>| {
-        let others = cells.iter().flat_map(|&cell| &links[cell]).map(|link| aggregates.of_cell[link.cell]);
-        others.collect()
-    };
-    aggregates.cells.iter().map(of_cells).collect()
 }
 
 /// factor A for a square matrix of n rows, by columns.

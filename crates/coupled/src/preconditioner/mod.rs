@@ -29,13 +29,13 @@ mod singles;
 mod sweeps;
 mod two_level;
 
-pub use coarse::{CoarseLevelUse, functions_per_direction as coarse_functions_per_direction};
+pub use aggregates::functions_per_direction as coarse_functions_per_direction;
 pub use ilu::BlockIlu;
 pub use lines::LinePreconditioner;
 pub use low_order::{VECTORS as LOW_ORDER_VECTORS, low_order};
 pub use ordering::{Ordering, Stage};
 pub use panel::padded;
-pub use two_level::TwoLevel;
+pub use two_level::{CoarseLevelUse, TwoLevel};
 
 use fem::SlabOperator;
 use newton_krylov::operator::Preconditioner;

@@ -1,12 +1,41 @@
 //! Block ILU(0) with a coarse level: for steady flows, and for long slabs of large meshes.
 
-use super::coarse::{CoarseLevel, CoarseLevelUse};
+use super::aggregates::functions_per_direction;
+use super::coarse::CoarseLevel;
 use super::coarse_modes::Entry;
 use super::ilu::BlockIlu;
 use super::ordering::Ordering;
 use super::{FactoredModes, FlowPreconditioner, TimeScales};
 use fem::SlabOperator;
 use newton_krylov::operator::Preconditioner;
+
+/// When there is a coarse level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CoarseLevelUse {
+    /// As soon as pseudo-time does not damp the flow: in the search for a steady flow. With exact solves Newton's method can converge to
+    /// spurious solutions; loose ones keep to the path of the flow in time.
+    Undamped,
+    /// Always: in slabs.
+    Always,
+}
+
+impl CoarseLevelUse {
+    /// Whether there is one at these scales.
+    pub fn serves(self, scales: TimeScales) -> bool {
+        self == CoarseLevelUse::Always || scales.damping == 0.0
+    }
+
+    /// Coarse unknowns for which the direct solver pays. The work of a slab grows with their number in every iteration, that of a steady flow
+    /// falls more; and in three dimensions factors fill more.
+    fn affordable(self, dimension: u32) -> usize {
+        if self == CoarseLevelUse::Undamped && dimension == 2 { 60_000 } else { 16_000 }
+    }
+
+    /// The most aggregates of a flow of so many `components` and this `order`.
+    pub fn most_aggregates(self, components: usize, dimension: u32, order: usize) -> usize {
+        self.affordable(dimension) / (components * functions_per_direction(order).pow(dimension))
+    }
+}
 
 /// Block ILU(0) with a coarse level. The sweeps work alone where a coarse matrix is singular, or the memory does not suffice to order it.
 ///

@@ -92,7 +92,7 @@ impl<const D: usize, const M: usize> Subject for Flow<D, M> {
     /// State, mesh and direction in, residual out.
     fn work(&self) -> Vec<Work> {
         let (state, mesh) = (self.state.len(), self.operator.mesh.data.len());
-        let flops = |along| Some(self.operator.operations(along) as f64);
+        let flops = |along| self.operator.operations(along).map(|count| count as f64);
         let work = |kernel, flops, numbers| Work { kernel, unknowns: state as f64, flops, bytes: bytes(numbers) };
         vec![
             work("residual", flops(Differentiate::Nothing), 2 * state + mesh),
