@@ -198,7 +198,8 @@ fn reference_corner(k: usize) -> Point {
 fn scale_to_box(cells: &[usize], corners: &mut [Vec<Point>]) {
     for i in 0..3 {
         let all = || cells.iter().flat_map(|&cell| corners[cell].iter().map(move |corner| corner[i]));
-        let (low, high) = (all().fold(f64::MAX, f64::min), all().fold(f64::MIN, f64::max));
+        let low = all().min_by(f64::total_cmp).unwrap_or_default();
+        let high = all().max_by(f64::total_cmp).unwrap_or_default();
         let scale = |x: f64| if high > low { (2.0 * x - low - high) / (high - low) } else { 0.0 };
         cells.iter().for_each(|&cell| corners[cell].iter_mut().for_each(|corner| corner[i] = scale(corner[i])));
     }

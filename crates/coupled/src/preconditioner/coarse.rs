@@ -1,10 +1,10 @@
 //! The coarse level: what ILU(0) takes many sweeps to carry across the mesh, a direct solver carries at once.
 //!
 //! ```text
-//! x_1 = P (P^T B P)^{-1} P^T c,     x = x_1 + S^{-1} (c - B x_1),     B = lambda M + dt A for every mode           (two-level)
+//! x_1 = P (P^T B P)^{-1} P^T c,     x = x_1 + S^{-1} (c - B x_1),     B = lambda M + dt A                         (two-level)
 //! ```
 //!
-//! with the sweeps S of the factored modes. The coarse space consists of the polynomials of degree 1 in every direction on
+//! for every mode, with the sweeps S of its factors. The coarse space consists of the polynomials of degree 1 in every direction on
 //! [`Aggregates`] of cells, and P has their values at the nodes. There are so few aggregates that their direct solver costs less than the
 //! sweeps; on small meshes every cell is one. B P is kept, so that a product with B costs no more than the few columns of P.
 //!
@@ -16,7 +16,7 @@ use super::blocks::{Link, coupling_block};
 use super::coarse_modes::{CoarseMode, Entry, products_with, solve_modes};
 use super::ilu::BlockIlu;
 use super::panel::padded;
-use basis::is_real;
+use basis::{TemporalModes, is_real};
 use faer::{Mat, c64};
 use fem::{Layout, SlabOperator, TraceSpace};
 use rayon::prelude::*;
@@ -172,26 +172,29 @@ impl<T: Entry> CoarseLevel<T> {
         images.map(|image| image.nrows() * image.ncols() * size_of::<T>()).sum::<usize>() + factors
     }
 
-    /// The steps of (two-level) before the sweeps: x_1, and c - B x_1 in the place of c.
-    pub(super) fn solve(&mut self, sweeps: &mut BlockIlu<T>) {
-        self.restrict(sweeps);
+    /// The steps of (two-level) before the sweeps: x_1, and c - B x_1 in the place of c, which is that of r / `scale`.
+    pub(super) fn solve(&mut self, sweeps: &mut BlockIlu<T>, r: &[f64], scale: f64) {
+        self.restrict(&sweeps.modes, r, scale);
         solve_modes(&mut self.modes, self.aggregates.cells.len() * self.block, &mut self.coefficients);
-        self.subtract_images(sweeps);
+        self.subtract_images(sweeps, r, scale);
     }
 
-    /// P^T c.
-    fn restrict(&mut self, sweeps: &BlockIlu<T>) {
-        let (nodes, block) = (self.layout.nodes, sweeps.jacobian.block);
-        let (aggregates, prolongations) = (&self.aggregates.cells, &self.prolongations);
+    /// P^T c. It is made of r itself: if the coarse matrix is nearly singular, rounded sides would excite its null space.
+    fn restrict(&mut self, modes: &TemporalModes, r: &[f64], scale: f64) {
+        let (layout, aggregates, prolongations) = (self.layout, &self.aggregates.cells, &self.prolongations);
         self.coefficients.par_chunks_exact_mut(self.block).enumerate().with_min_len(16).for_each(|(k, coarse)| {
-            let first = k / aggregates.len() * padded(block);
+            let column = k / aggregates.len();
             coarse.fill(T::default());
             for &cell in &aggregates[k % aggregates.len()] {
-                let (swept, p) = (sweeps.swept[sweeps.ordering.positions[cell]].read(), &prolongations[cell]);
-                let c = swept.right_side[first..first + block].chunks_exact(nodes);
-                for (coarse, c) in coarse.chunks_exact_mut(p.ncols()).zip(c) {
-                    for (j, x) in coarse.iter_mut().enumerate() {
-                        p.col_as_slice(j).iter().zip(c).for_each(|(p, c)| *x += *p * T::of(f64::from(*c)));
+                let p = &prolongations[cell];
+                for a in 0..layout.time_order {
+                    let weight = modes.forward[(column, a)] / scale;
+                    let r = r[layout.cell_at(cell, a)].chunks_exact(layout.nodes);
+                    for (coarse, r) in coarse.chunks_exact_mut(p.ncols()).zip(r) {
+                        for (j, x) in coarse.iter_mut().enumerate() {
+                            let p = p.col_as_slice(j).iter().map(|&p| p.into());
+                            *x += T::of(weight * p.zip(r).map(|(p, r): (f64, &f64)| p * r).sum::<f64>());
+                        }
                     }
                 }
             }
@@ -204,27 +207,42 @@ impl<T: Entry> CoarseLevel<T> {
         &self.coefficients[first..first + self.block]
     }
 
-    /// c -= B P x.
-    fn subtract_images(&self, sweeps: &mut BlockIlu<T>) {
+    /// The right-hand sides c - B P x of the sweeps. c is made of r itself: what is left may be much smaller.
+    fn subtract_images(&self, sweeps: &mut BlockIlu<T>, r: &[f64], scale: f64) {
         let (rows, n) = (padded(sweeps.jacobian.block), sweeps.jacobian.block);
-        let traces = &sweeps.jacobian.traces;
+        let (traces, modes) = (&sweeps.jacobian.traces, &sweeps.modes);
         let cells = sweeps.swept.par_iter_mut().zip(&sweeps.ordering.cells).with_min_len(16);
         cells.for_each_init(
             || (vec![T::default(); n], vec![T::default(); traces.len()]),
-            |(image, sent), (swept, &cell)| {
+            |(rest, sent), (swept, &cell)| {
                 for (column, c) in swept.get().right_side.chunks_exact_mut(rows).enumerate() {
-                    image.fill(T::default());
-                    add_product(&self.images[cell], self.x(column, cell), image);
-                    self.add_mass_product(column, cell, image);
+                    self.write_negative(modes, (column, cell), (r, scale), rest);
+                    add_product(&self.images[cell], self.x(column, cell), rest);
+                    self.add_mass_product(column, cell, rest);
                     for coupled in &self.coupled[cell] {
                         sent.fill(T::default());
                         add_product(&coupled.image, self.x(column, coupled.link.cell), sent);
-                        add_lifted(traces, coupled.link.face, sent, image);
+                        add_lifted(traces, coupled.link.face, sent, rest);
                     }
-                    c.iter_mut().zip(&*image).for_each(|(c, image)| *c -= Into::<f64>::into(*image) as f32);
+                    c.iter_mut().zip(&*rest).for_each(|(c, rest)| *c = -Into::<f64>::into(*rest) as f32);
                 }
             },
         );
+    }
+
+    /// -c of a cell in a column.
+    fn write_negative(
+        &self,
+        modes: &TemporalModes,
+        (column, cell): (usize, usize),
+        (r, scale): (&[f64], f64),
+        out: &mut [T],
+    ) {
+        out.fill(T::default());
+        for a in 0..self.layout.time_order {
+            let weight = -modes.forward[(column, a)] / scale;
+            out.iter_mut().zip(&r[self.layout.cell_at(cell, a)]).for_each(|(out, r)| *out += T::of(weight * r));
+        }
     }
 
     /// image += lambda M P x in a column.
@@ -241,17 +259,20 @@ impl<T: Entry> CoarseLevel<T> {
         }
     }
 
-    /// Adds x_1 = P x to the results of the sweeps.
-    pub(super) fn add_prolonged(&self, sweeps: &mut BlockIlu<T>) {
-        let (nodes, rows) = (self.layout.nodes, padded(sweeps.jacobian.block));
-        sweeps.swept.par_iter_mut().zip(&sweeps.ordering.cells).with_min_len(16).for_each(|(swept, &cell)| {
+    /// z += (Q (x) P) x, times `scale`: in double precision, as x_1 may be much larger than what the sweeps add.
+    pub(super) fn add_prolonged(&self, modes: &TemporalModes, scale: f64, z: &mut [f64]) {
+        let layout = self.layout;
+        z.par_chunks_exact_mut(layout.cell_len()).enumerate().with_min_len(16).for_each(|(cell, z)| {
             let p = &self.prolongations[cell];
-            for (column, z) in swept.get().result.chunks_exact_mut(rows).enumerate() {
-                let coarse = self.x(column, cell).chunks_exact(p.ncols());
-                for (z, coarse) in z.chunks_exact_mut(nodes).zip(coarse) {
-                    for (j, x) in coarse.iter().enumerate() {
-                        let column = p.col_as_slice(j);
-                        z.iter_mut().zip(column).for_each(|(z, p)| *z += Into::<f64>::into(*p * *x) as f32);
+            for (a, z) in z.chunks_exact_mut(layout.time_len()).enumerate() {
+                for column in 0..modes.backward.cols() {
+                    let weight = modes.backward[(a, column)] * scale;
+                    let coarse = self.x(column, cell).chunks_exact(p.ncols());
+                    for (z, coarse) in z.chunks_exact_mut(layout.nodes).zip(coarse) {
+                        for (j, &x) in coarse.iter().enumerate() {
+                            let x = weight * x.into();
+                            z.iter_mut().zip(p.col_as_slice(j)).for_each(|(z, &p)| *z += x * p.into());
+                        }
                     }
                 }
             }

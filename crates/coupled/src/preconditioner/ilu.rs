@@ -192,25 +192,19 @@ impl<T: Stored> BlockIlu<T> {
         });
     }
 
-    /// z by the sweeps; `before` and `after` them something else is done with the modes, by means of `room`.
-    pub(super) fn apply_between<R>(
-        &mut self,
-        r: &[f64],
-        z: &mut [f64],
-        room: &mut R,
-        before: impl FnOnce(&mut R, &mut Self),
-        after: impl FnOnce(&R, &mut Self),
-    ) {
+    /// z by the sweeps. `before` changes the right-hand sides of the modes, which are those of r divided by the number that it gets. Returns
+    /// this number.
+    pub(super) fn apply_after(&mut self, r: &[f64], z: &mut [f64], before: impl FnOnce(&mut Self, f64)) -> f64 {
         let scale = largest(&self.share, r);
         if scale == 0.0 {
             z.fill(0.0);
-            return;
+            return scale;
         }
         self.split_into_modes(r, scale);
-        before(room, self);
+        before(self, scale);
         self.sweep();
-        after(room, self);
         self.join_modes(scale, z);
+        scale
     }
 
     /// z = (Q (x) I) c.
@@ -228,7 +222,7 @@ impl<T: Stored> BlockIlu<T> {
 
 impl<T: Stored> Preconditioner for BlockIlu<T> {
     fn apply(&mut self, r: &[f64], z: &mut [f64]) {
-        self.apply_between(r, z, &mut (), |_, _| (), |_, _| ());
+        self.apply_after(r, z, |_, _| ());
     }
 }
 

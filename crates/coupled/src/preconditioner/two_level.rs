@@ -94,7 +94,10 @@ impl<T: Entry> Preconditioner for TwoLevel<T> {
     fn apply(&mut self, r: &[f64], z: &mut [f64]) {
         let TwoLevel { sweeps, coarse, .. } = self;
         match coarse {
-            Some(coarse) => sweeps.apply_between(r, z, coarse, CoarseLevel::solve, CoarseLevel::add_prolonged),
+            Some(coarse) => {
+                let scale = sweeps.apply_after(r, z, |sweeps, scale| coarse.solve(sweeps, r, scale));
+                coarse.add_prolonged(&sweeps.modes, scale, z);
+            }
             None => sweeps.apply(r, z),
         }
     }
