@@ -7,9 +7,6 @@
 //! for every mode, with the sweeps S of its factors. The coarse space consists of the polynomials of degree 1 in every direction on
 //! [`Aggregates`] of cells, and P has their values at the nodes. There are so few aggregates that their direct solver costs less than the
 //! sweeps; on small meshes every cell is one. B P is kept, so that a product with B costs no more than the few columns of P.
-//!
-//! On the airfoil of the heaving cases the last four steps of the steady flow, which pseudo-time does not damp, then take 29 iterations
-//! instead of 117.
 
 use super::aggregates::{Aggregates, Neighbourhood, functions_per_direction};
 use super::blocks::{Link, coupling_block};
