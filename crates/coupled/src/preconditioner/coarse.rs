@@ -169,7 +169,7 @@ impl<T: Entry> CoarseLevel<T> {
         images.map(|image| image.nrows() * image.ncols() * size_of::<T>()).sum::<usize>() + factors
     }
 
-    /// The steps of (two-level) before the sweeps: x_1, and c - B x_1 in the place of c, which is that of r / `scale`.
+    /// The steps of (two-level) before the sweeps: x_1, and the right-hand sides c - B x_1, with c of r / `scale`.
     pub(super) fn solve(&mut self, sweeps: &mut BlockIlu<T>, r: &[f64], scale: f64) {
         self.restrict(&sweeps.modes, r, scale);
         solve_modes(&mut self.modes, self.aggregates.cells.len() * self.block, &mut self.coefficients);
@@ -221,7 +221,9 @@ impl<T: Entry> CoarseLevel<T> {
                         add_product(&coupled.image, self.x(column, coupled.link.cell), sent);
                         add_lifted(traces, coupled.link.face, sent, rest);
                     }
+                    let (c, padding) = c.split_at_mut(n);
                     c.iter_mut().zip(&*rest).for_each(|(c, rest)| *c = -Into::<f64>::into(*rest) as f32);
+                    padding.fill(0.0);
                 }
             },
         );

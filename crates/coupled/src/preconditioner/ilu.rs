@@ -192,16 +192,14 @@ impl<T: Stored> BlockIlu<T> {
         });
     }
 
-    /// z by the sweeps. `before` changes the right-hand sides of the modes, which are those of r divided by the number that it gets. Returns
-    /// this number.
-    pub(super) fn apply_after(&mut self, r: &[f64], z: &mut [f64], before: impl FnOnce(&mut Self, f64)) -> f64 {
+    /// z by the sweeps of the right-hand sides that `set` writes, for r divided by the number that it gets. Returns this number.
+    pub(super) fn apply_to(&mut self, r: &[f64], z: &mut [f64], set: impl FnOnce(&mut Self, f64)) -> f64 {
         let scale = largest(&self.share, r);
         if scale == 0.0 {
             z.fill(0.0);
             return scale;
         }
-        self.split_into_modes(r, scale);
-        before(self, scale);
+        set(self, scale);
         self.sweep();
         self.join_modes(scale, z);
         scale
@@ -222,7 +220,7 @@ impl<T: Stored> BlockIlu<T> {
 
 impl<T: Stored> Preconditioner for BlockIlu<T> {
     fn apply(&mut self, r: &[f64], z: &mut [f64]) {
-        self.apply_after(r, z, |_, _| ());
+        self.apply_to(r, z, |sweeps, scale| sweeps.split_into_modes(r, scale));
     }
 }
 

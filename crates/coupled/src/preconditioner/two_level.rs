@@ -95,7 +95,7 @@ impl<T: Entry> Preconditioner for TwoLevel<T> {
         let TwoLevel { sweeps, coarse, .. } = self;
         match coarse {
             Some(coarse) => {
-                let scale = sweeps.apply_after(r, z, |sweeps, scale| coarse.solve(sweeps, r, scale));
+                let scale = sweeps.apply_to(r, z, |sweeps, scale| coarse.solve(sweeps, r, scale));
                 coarse.add_prolonged(&sweeps.modes, scale, z);
             }
             None => sweeps.apply(r, z),
