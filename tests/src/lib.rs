@@ -119,12 +119,13 @@ where
 pub type Rule = (Quadrature, VolumeFlux);
 
 /// The rules that conserve on moving meshes.
-pub const RULES: [Rule; 5] = [
+pub const RULES: [Rule; 6] = [
     (Quadrature::Conserving, VolumeFlux::Central),
     (Quadrature::Collocated(PointFamily::Gauss), VolumeFlux::Central),
     (Quadrature::Collocated(PointFamily::Lobatto), VolumeFlux::Central),
     (Quadrature::Collocated(PointFamily::Lobatto), VolumeFlux::KineticEnergy),
     (Quadrature::Collocated(PointFamily::Lobatto), VolumeFlux::Entropy),
+    (Quadrature::Collocated(PointFamily::Lobatto), VolumeFlux::EntropyViscosity),
 ];
 
 /// The free stream as a field.

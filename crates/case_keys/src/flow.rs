@@ -133,6 +133,8 @@ pub enum VolumeFlux {
     KineticEnergy,
     /// Two-point fluxes that keep the balances of kinetic energy and of entropy (Ranocha).
     Entropy,
+    /// The flux at every point, and in every cell a viscosity that is just large enough where entropy would be lost (Chan).
+    EntropyViscosity,
 }
 
 /// An artificial viscosity, which gives shocks a width of a few nodes. It is zero in expansions, contacts, shear and in flow that the mesh

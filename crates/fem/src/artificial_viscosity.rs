@@ -138,7 +138,7 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
 
     /// sum += term
     #[inline(always)]
-    fn add_to(self, term: Lanes<T::Simd>, sum: &mut Pack, part: usize) {
+    pub(crate) fn add_to(self, term: Lanes<T::Simd>, sum: &mut Pack, part: usize) {
         (Lanes::read(self.simd, sum, part) + term).write(sum, part);
     }
 }

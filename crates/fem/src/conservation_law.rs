@@ -54,6 +54,37 @@ pub trait ConservationLaw<const D: usize, const M: usize>: Send + Sync {
         mean
     }
 
+    /// Whether every cell has the viscosity of (entropy viscosity), see [`crate::entropy_viscosity`]. It needs points that are the nodes,
+    /// and the law to know an entropy S.
+    #[inline(always)]
+    fn corrects_entropy(&self) -> bool {
+        false
+    }
+
+    /// The entropy variables v = S'(u) of an entropy S, which is convex.
+    #[inline(always)]
+    fn entropy_variables<T: Real>(&self, u: &[T; M]) -> [T; M] {
+        [u[0].zero(); M]
+    }
+
+    /// Psi = v . F_c - F_S, `[direction]`, with the flux F_S of the entropy, and phi = v . u - S > 0.
+    #[inline(always)]
+    fn entropy_potential<T: Real>(&self, u: &[T; M]) -> ([T; D], T) {
+        ([u[0].zero(); D], u[0].constant(1.0))
+    }
+
+    /// H grad v with H = du/dv: the gradient of a state whose entropy variables have the `gradient`.
+    #[inline(always)]
+    fn gradient_by_entropy<T: Real>(&self, _u: &[T; M], gradient: &[[T; M]; D]) -> [[T; M]; D] {
+        *gradient
+    }
+
+    /// The speed of signals relative to the medium, for x_0 of (entropy viscosity).
+    #[inline(always)]
+    fn signal_speed<T: Real>(&self, u: &[T; M]) -> T {
+        u[0].constant(1.0)
+    }
+
     /// F_v(u, gradient), linear in `gradient`.
     fn viscous_flux<T: Real>(&self, u: &[T; M], gradient: &[[T; M]; D]) -> [[T; M]; D];
 

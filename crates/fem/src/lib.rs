@@ -11,6 +11,7 @@
 //! | `cell`, `volume_terms`, `facet`, `facet_evaluation`, `slope`, `boundary`, `point` | the kernels |
 //! | `cell_geometry`, `facet_geometry`, `slab_geometry`, `fields` | the geometry at the points, and where it is kept |
 //! | `collocation`, `nodal_geometry`, `facet_area` | the metric of collocated rules |
+//! | `artificial_viscosity`, `entropy_viscosity` | artificial viscosities: of shocks, of cells that would lose entropy |
 //! | `split_form` | inviscid volume terms of collocated rules with two-point fluxes |
 //! | `scratch`, `gather` | their packs, and the copies from and to vectors |
 //! | `kernels` | the kernels of a law behind one object |
@@ -56,6 +57,7 @@ mod collocation;
 mod conservation_law;
 #[cfg(feature = "operation-counts")]
 mod counted_mode;
+mod entropy_viscosity;
 mod facet;
 mod facet_area;
 mod facet_evaluation;

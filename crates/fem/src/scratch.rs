@@ -1,6 +1,7 @@
 //! Packs that a thread keeps from one batch of cells or facets to the next.
 
 use crate::cell_geometry::GeometryScratch;
+use crate::entropy_viscosity::EntropyScratch;
 use crate::facet_geometry::facet_geometry_len;
 use crate::tables::{Orders, Tables};
 use crate::tensor_product::Scratch;
@@ -34,6 +35,8 @@ pub struct CellScratch {
     pub(crate) gradient: Vec<Pack>,
     pub(crate) flux: Vec<Pack>,
     pub(crate) mass_product: Vec<Pack>,
+    /// Packs of (entropy viscosity), for points that are the nodes.
+    pub(crate) entropy: EntropyScratch,
     pub(crate) scratch: Scratch,
 }
 
@@ -58,6 +61,10 @@ impl CellScratch {
             gradient: zeroed(D * 2 * M * points),
             flux: zeroed(D * M * points),
             mass_product: zeroed(M * points),
+            entropy: match tables.flow.is_nodal {
+                true => EntropyScratch::new(D, M, nodes),
+                false => EntropyScratch::default(),
+            },
             scratch: Scratch::new(D, 2 * M, widest),
         }
     }

@@ -78,6 +78,9 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
             if self.law.captures_shocks() {
                 self.add_artificial_fluxes(known, planes, time.weights[0], scratch);
             }
+            if self.law.corrects_entropy() {
+                self.add_entropy_viscosity(known, planes, time.weights[0], scratch);
+            }
             let CellScratch { flux, source, mass_product, flux_at, mass_product_at, scratch: room, .. } = &mut *scratch;
             let tested = match (with_source || self.law.is_split(), self.has_gradients()) {
                 (false, _) => AtPoints::Gradients(&flux[..]),
@@ -229,7 +232,7 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
 
     /// The velocity of the mesh at a point, of `geometry[b][number][p]`.
     #[inline(always)]
-    fn cell_velocity(self, geometry: &[Pack], at: PointIndex) -> [T::Geometry; D] {
+    pub(crate) fn cell_velocity(self, geometry: &[Pack], at: PointIndex) -> [T::Geometry; D] {
         Fields::new(geometry_len(D), at.points).from(D * D).vector(self.simd, geometry, at.p, at.part)
     }
 

@@ -1,6 +1,7 @@
 //! The compressible Navier-Stokes equations as a conservation law.
 
 use crate::boundary::{Boundary, WallFlux};
+use crate::entropy;
 use crate::flux::{self, Stresses};
 use crate::gas::{Gas, Viscosity};
 use crate::reference::Reference;
@@ -55,12 +56,39 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
 
     #[inline(always)]
     fn is_split(&self) -> bool {
-        self.volume_flux != VolumeFlux::Central
+        self.volume_flux.is_split()
     }
 
     #[inline(always)]
     fn two_point_flux<T: Over<G>, G: Real>(&self, a: &[T; M], b: &[T; M], area: &[G; D], grid_flux: G) -> [T; M] {
         two_point::flux((&self.gas, self.volume_flux), [a, b], area, grid_flux)
+    }
+
+    #[inline(always)]
+    fn corrects_entropy(&self) -> bool {
+        self.volume_flux == VolumeFlux::EntropyViscosity
+    }
+
+    #[inline(always)]
+    fn entropy_variables<T: Real>(&self, u: &[T; M]) -> [T; M] {
+        entropy::variables::<T, D, M>(&self.gas, u)
+    }
+
+    #[inline(always)]
+    fn entropy_potential<T: Real>(&self, u: &[T; M]) -> ([T; D], T) {
+        let Conserved { density, momentum, .. } = Conserved::unpack(u);
+        (momentum, density)
+    }
+
+    #[inline(always)]
+    fn gradient_by_entropy<T: Real>(&self, u: &[T; M], gradient: &[[T; M]; D]) -> [[T; M]; D] {
+        entropy::gradient_of_state(&self.gas, u, gradient)
+    }
+
+    #[inline(always)]
+    fn signal_speed<T: Real>(&self, u: &[T; M]) -> T {
+        let Primitive { density, pressure, .. } = Primitive::<T, D>::unpack(&self.gas, u);
+        self.gas.sound_speed(density, pressure)
     }
 
     #[inline(always)]

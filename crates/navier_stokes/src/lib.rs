@@ -46,6 +46,7 @@
 //! ```
 
 mod boundary;
+mod entropy;
 mod error;
 pub mod exact;
 mod flux;

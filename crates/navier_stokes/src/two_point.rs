@@ -26,6 +26,15 @@ pub enum VolumeFlux {
     KineticEnergy,
     /// It keeps the balances of kinetic energy and of entropy.
     Entropy,
+    /// The flux of each point, and a viscosity per cell where it would lose entropy.
+    EntropyViscosity,
+}
+
+impl VolumeFlux {
+    /// Whether it is a flux between two nodes.
+    pub fn is_split(self) -> bool {
+        matches!(self, VolumeFlux::KineticEnergy | VolumeFlux::Entropy)
+    }
 }
 
 /// (two-point flux)

@@ -6,6 +6,7 @@ mod boundary_flux;
 mod coarse_level;
 mod data_at_points;
 mod elastic_body;
+mod entropy;
 mod large_rotation;
 mod lines;
 mod low_order;

@@ -70,6 +70,7 @@ pub(super) fn volume_flux(checker: &Checker<'_>, key: &Key, raw: &raw::Flow) -> 
         raw::VolumeFlux::Central => VolumeFlux::Central,
         raw::VolumeFlux::KineticEnergy => VolumeFlux::KineticEnergy,
         raw::VolumeFlux::Entropy => VolumeFlux::Entropy,
+        raw::VolumeFlux::EntropyViscosity => VolumeFlux::EntropyViscosity,
     };
     if flux != VolumeFlux::Central && raw.quadrature != raw::Quadrature::CollocatedLobatto {
         let problem = "two-point fluxes need points of quadrature that are the nodes";
