@@ -4,7 +4,7 @@
 //! large enough that no entropy is lost.
 //!
 //! ```text
-//! R_i += eps int_K grad_x psi . H grad_x v_h J,   eps = m / D,   m = q^2 / (q + x_0),   q = max(x_0 - delta, 0)        (entropy viscosity)
+//! R_i += eps int_K grad_x psi . H grad_x v_h J,   eps = m / D,   m = q^2 / (q + x_0),   q = max(x_0 - x_r - delta, 0)  (entropy viscosity)
 //! D = int_K grad_x v_h . H grad_x v_h J,   H = du / dv                                                          (dissipation)
 //! delta = oint_dK Psi . n + sum_i sum_nodes omega ( g_i (u . d_i v_h - d_i phi_h) - d_i v_h . F_c . A_i )       (production)
 //! ```
@@ -17,8 +17,9 @@
 //! The points are the nodes, where sums along lines can be integrated by parts. In the exact form of delta, int_K phi d_t J takes the place
 //! of the terms with g_i, since d_t J is the divergence of g.
 //!
-//! m is a smooth maximum of -delta and 0: never below it, and zero where delta > x_0. x_0 is the dissipation by a viscosity of 1e-6 signal
-//! speeds times the distance of nodes. D has an additional term of the size of round-off, for uniform flow.
+//! m is a smooth maximum of -delta - x_r and 0, never below it. x_0 is the dissipation by a viscosity of 1e-6 signal speeds times the distance
+//! of nodes. x_r = 1e-12 int_K phi c / h, with the signal speed c and the distance h of nodes, is above the round-off of delta: it must not become a
+//! viscosity where the flow is nearly uniform. D has an additional term of the size of round-off, for uniform flow.
 //!
 //! eps belongs to the cell, and there is no term on facets. A constant psi has no gradient, so conservation is not affected.
 //!
@@ -33,6 +34,9 @@ use tensor::{LaneNumber, Lanes, Over, Pack, Real};
 
 /// x_0 over the dissipation of a viscosity of one signal speed times the distance of nodes.
 const SMOOTHING: f64 = 1e-6;
+
+/// x_r over the integral of phi times the signal speed over the distance of nodes.
+const PRODUCTION_ROUND_OFF: f64 = 1e-12;
 
 /// The square of a difference of the entropy variables between nodes that is round-off.
 const ROUND_OFF: f64 = 1e-14;
@@ -71,13 +75,15 @@ struct Sums<T> {
     dissipation: T,
     /// x_0
     smoothing: T,
+    /// x_r
+    round_off: T,
 }
 
 impl<T: Real> Sums<T> {
     /// eps of (entropy viscosity)
     #[inline(always)]
     fn viscosity(self) -> T {
-        let q = (self.smoothing - self.delta).max(self.delta.zero());
+        let q = (self.smoothing - self.round_off - self.delta).max(self.delta.zero());
         q * q / ((q + self.smoothing) * self.dissipation)
     }
 }
@@ -143,7 +149,7 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
     fn entropy_sums(self, geometry: &[Pack], planes: &Planes, part: usize, scratch: &CellScratch) -> Sums<T::State> {
         let points = planes.weights.len();
         let zero = self.state(&scratch.u, PointIndex { points, p: 0, part })[0].zero();
-        let mut sums = Sums { delta: zero, dissipation: zero, smoothing: zero };
+        let mut sums = Sums { delta: zero, dissipation: zero, smoothing: zero, round_off: zero };
         for p in 0..points {
             let (at, weight) = (PointIndex { points, p, part }, planes.weights[p]);
             let (metric, v) = (self.cell_metric(geometry, at), self.cell_velocity(geometry, at));
@@ -162,8 +168,9 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
             }
             let dissipation = dissipation.scale(metric.det) * weight;
             sums.dissipation += dissipation;
-            let scale = self.law.signal_speed(&u).scale(per_square.sqrt().recip());
-            sums.smoothing += dissipation * scale * SMOOTHING;
+            let (speed, per_length) = (self.law.signal_speed(&u), per_square.sqrt());
+            sums.smoothing += dissipation * speed.scale(per_length.recip()) * SMOOTHING;
+            sums.round_off += phi * speed.scale(per_length * metric.det) * (weight * PRODUCTION_ROUND_OFF);
         }
         sums
     }

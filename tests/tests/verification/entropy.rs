@@ -77,7 +77,8 @@ where
         let two_point = produced::<D, M>(VolumeFlux::Entropy, sign);
         assert!(two_point.abs() < 1e-12, "two-point flux: {two_point:e}");
         let corrected = produced::<D, M>(VolumeFlux::EntropyViscosity, sign);
-        assert!(corrected > central.max(0.0) - 1e-12, "{sign}: {corrected:e} {central:e}");
+        // Less x_r.
+        assert!(corrected > central.max(0.0) - 1e-9, "{sign}: {corrected:e} {central:e}");
     }
 }
 
