@@ -59,7 +59,7 @@ TREATMENTS = {
     "three_halves": [*points("three_halves", "central"), NO_FALLBACK],
     "nodes, kinetic_energy": points("collocated_lobatto", "kinetic_energy"),
     "nodes, entropy": points("collocated_lobatto", "entropy"),
-    "nodes, viscosity": points("collocated_lobatto", "entropy_viscosity"),
+    "nodes, viscosity": [*points("collocated_lobatto", "entropy_viscosity"), NO_FALLBACK],
 }
 
 

@@ -17,9 +17,13 @@
 //! The points are the nodes, where sums along lines can be integrated by parts. In the exact form of delta, int_K phi d_t J takes the place
 //! of the terms with g_i, since d_t J is the divergence of g.
 //!
-//! m is a smooth maximum of -delta - x_r and 0, never below it. x_0 is the dissipation by a viscosity of 1e-6 signal speeds times the distance
-//! of nodes. x_r = 1e-12 int_K phi c / h, with the signal speed c and the distance h of nodes, is above the round-off of delta: it must not become a
-//! viscosity where the flow is nearly uniform. D has an additional term of the size of round-off, for uniform flow.
+//! m is a smooth maximum of -delta - x_r and 0, never below it. With a speed of signals c and the distance of nodes h,
+//!
+//! * x_0 is the dissipation by a viscosity of c h / 10^6;
+//! * x_r, 1e-12 times the integral of phi c / h, is above the round-off of delta. Round-off must not become a viscosity where the flow is nearly
+//!   uniform.
+//!
+//! D has an additional term of the size of round-off, for uniform flow.
 //!
 //! eps belongs to the cell, and there is no term on facets. A constant psi has no gradient, so conservation is not affected.
 //!

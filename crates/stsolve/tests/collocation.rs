@@ -88,6 +88,19 @@ fn an_unresolved_instability_lives_and_loses_no_entropy() {
     }
 }
 
+/// The flow is resolved to 1e-3: cells hardly ever need a viscosity.
+#[test]
+fn a_viscosity_of_entropy_leaves_smooth_flow_as_accurate() {
+    let error = |volume_flux: &str| {
+        let directory = TempDir::new().unwrap();
+        let volume_flux = format!("flow.volume_flux={volume_flux}");
+        let set = [&STIRRED[..], &["flow.quadrature=collocated_lobatto", &volume_flux]].concat();
+        number(&finished(directory.path(), "vortex_sinusoidal", &set), "error.density_l2")
+    };
+    let [with, without] = ["entropy_viscosity", "central"].map(error);
+    assert!(with < 1.1 * without, "{with:e} for {without:e}");
+}
+
 #[test]
 fn two_point_fluxes_ask_for_points_that_are_nodes() {
     let directory = TempDir::new().unwrap();

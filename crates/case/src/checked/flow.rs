@@ -61,7 +61,7 @@ impl<const D: usize> Flow<D> {
     /// This flow in a split form, which stays alive where `mesh` does not resolve it. None if it has a split form, or `mesh` does not
     /// allow one.
     pub fn in_split_form(&self, mesh: &Mesh<D>) -> Option<Self> {
-        if self.law.volume_flux != VolumeFlux::Central {
+        if self.law.volume_flux.is_split() {
             return None;
         }
         let (quadrature, volume_flux) = quadrature::split_form(mesh, self.order)?;

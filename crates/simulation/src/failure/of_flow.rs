@@ -184,7 +184,7 @@ where
             quadrature: [points, needed],
             mach: most(&|gas, _| gas.mach),
             captures_shocks: law.shock_capturing.is_some(),
-            is_split: law.volume_flux != navier_stokes::VolumeFlux::Central,
+            is_split: law.volume_flux.is_split(),
             openings: self.openings.iter().map(|record| self.opening(record)).collect(),
             kick: if self.case.motion.is_some() { gases.start.kick } else { 0.0 },
             start: self.flow_start(),

@@ -6,7 +6,7 @@ use crate::commands::quality::{centre, least_orthogonal};
 use case::Flow;
 use fem::Quadrature;
 use mesh::Mesh;
-use navier_stokes::{Boundary, VolumeFlux};
+use navier_stokes::Boundary;
 
 /// A motion with fewer nodes in time per period is badly resolved.
 const NODES_PER_PERIOD: f64 = 12.0;
@@ -138,7 +138,7 @@ pub(super) fn free_flow<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) ->
 
 /// What keeps a flow stable that the mesh does not resolve, for the end of a warning; empty if it is in use.
 fn against_aliasing<const D: usize>(flow: &Flow<D>) -> &'static str {
-    let is_split = flow.law.volume_flux != VolumeFlux::Central;
+    let is_split = flow.law.volume_flux.is_split();
     match flow.quadrature {
         Quadrature::ThreeHalves | Quadrature::Double => "",
         _ if is_split => "",
