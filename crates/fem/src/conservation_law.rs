@@ -54,7 +54,7 @@ pub trait ConservationLaw<const D: usize, const M: usize>: Send + Sync {
         mean
     }
 
-    /// Whether every cell has the viscosity of (entropy viscosity), see [`crate::entropy_viscosity`]. It needs points that are the nodes,
+    /// Whether cells have the viscosity of (entropy viscosity), see the module `entropy_viscosity`. It needs points that are the nodes,
     /// and the law to know an entropy S.
     #[inline(always)]
     fn corrects_entropy(&self) -> bool {
