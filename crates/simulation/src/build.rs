@@ -20,7 +20,7 @@ use std::sync::Arc;
 /// The march of a case with a flow, at its start.
 ///
 /// # Errors
-/// As [`ElasticMesh::new`].
+/// As [`elasticity::ElasticMesh::new`].
 pub fn march<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Result<FlowMarch<D, M>, ElasticityError>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
@@ -91,7 +91,7 @@ where
 /// The march on the cells of `share`.
 ///
 /// # Errors
-/// As [`ElasticMesh::new`].
+/// As [`elasticity::ElasticMesh::new`].
 pub fn march_of<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &Flow<D>,
