@@ -6,7 +6,7 @@
 //! ```text
 //! R_i += eps int_K grad_x psi . H grad_x v_h J,   eps = m / D,   m = q^2 / (q + x_0),   q = max(x_0 - x_r - delta, 0)  (entropy viscosity)
 //! D = int_K grad_x v_h . H grad_x v_h J,   H = du / dv                                                          (dissipation)
-//! delta = oint_dK Psi . n + sum_i sum_nodes omega ( g_i (u . d_i v_h - d_i phi_h) - d_i v_h . F_c . A_i )       (production)
+//! delta = int_dK Psi . n + sum_i sum_nodes omega ( g_i (u . d_i v_h - d_i phi_h) - d_i v_h . F_c . A_i )       (production)
 //! ```
 //!
 //! S(u) is a convex entropy of the law, for a gas minus the physical one, and v = S'(u) are its entropy variables. v_h interpolates them at
