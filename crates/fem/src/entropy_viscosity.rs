@@ -50,7 +50,7 @@ const ROUND_OFF: f64 = 1e-14;
 pub(crate) struct EntropyScratch {
     /// v_h, `[b][m][i]`.
     variables: Vec<Pack>,
-    /// Its derivatives along reference directions, `[b][j][m][i]`.
+    /// Its derivatives along reference directions, and later H grad_x v_h, `[b][j][m][i]`.
     gradient: Vec<Pack>,
     /// phi, `[b][i]`.
     phi: Vec<Pack>,
@@ -103,24 +103,35 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
         scratch: &mut CellScratch,
     ) {
         self.entropy_variables(planes, scratch); // 1. v_h, phi_h and their derivatives
+        let (points, CellScratch { u, flux, entropy, geometry, .. }) = (planes.weights.len(), scratch);
+        let geometry = known.unwrap_or(&geometry.at_points);
         for part in 0..Lanes::<T::Simd>::PARTS {
-            let geometry = known.unwrap_or(&scratch.geometry.at_points);
-            let viscosity = self.entropy_sums(geometry, planes, part, scratch).viscosity(); // 2. eps
-            let points = planes.weights.len();
+            let viscosity = self.entropy_sums([u, geometry], planes, part, entropy).viscosity(); // 2. eps, H grad v_h
             for p in 0..points {
                 let at = PointIndex { points, p, part };
-                let metric = self.cell_metric(known.unwrap_or(&scratch.geometry.at_points), at);
-                let slopes = self.physical_gradient(&scratch.entropy.gradient, at, &metric);
-                let f = self.law.gradient_by_entropy(&self.state(&scratch.u, at), &slopes);
+                let (metric, f) = (self.cell_metric(geometry, at), self.fluxes_at(&entropy.gradient, at));
                 let weight = planes.weights[p] * flux_weight;
                 for j in 0..D {
                     for m in 0..M {
                         let term = along_reference(&f, &metric.cof, j, m) * viscosity * weight;
-                        self.add_to(term.result(), &mut scratch.flux[at.index(j * M + m)], part); // 3. H grad v_h
+                        self.add_to(term.result(), &mut flux[at.index(j * M + m)], part); // 3. the fluxes
                     }
                 }
             }
         }
+    }
+
+    /// Fluxes in all directions at a point, of `fluxes[b][direction][m][i]`.
+    #[inline(always)]
+    fn fluxes_at(self, fluxes: &[Pack], at: PointIndex) -> [[T::State; M]; D] {
+        let (simd, block) = (self.simd, D * M * at.points);
+        let mut f = [[T::State::load(simd, fluxes, block, at.p, at.part); M]; D];
+        for j in 0..D {
+            for m in 0..M {
+                f[j][m] = T::State::load(simd, fluxes, block, at.index(j * M + m), at.part);
+            }
+        }
+        f
     }
 
     /// v_h, phi_h and their derivatives along reference directions.
@@ -148,26 +159,33 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
         }
     }
 
-    /// The sums over the cells in a part of the lanes.
+    /// The sums over the cells in a part of the lanes. H grad_x v_h takes the place of the derivatives of v_h.
     #[inline(always)]
-    fn entropy_sums(self, geometry: &[Pack], planes: &Planes, part: usize, scratch: &CellScratch) -> Sums<T::State> {
+    fn entropy_sums(
+        self,
+        [u, geometry]: [&[Pack]; 2],
+        planes: &Planes,
+        part: usize,
+        entropy: &mut EntropyScratch,
+    ) -> Sums<T::State> {
         let points = planes.weights.len();
-        let zero = self.state(&scratch.u, PointIndex { points, p: 0, part })[0].zero();
+        let zero = self.state(u, PointIndex { points, p: 0, part })[0].zero();
         let mut sums = Sums { delta: zero, dissipation: zero, smoothing: zero, round_off: zero };
         for p in 0..points {
             let (at, weight) = (PointIndex { points, p, part }, planes.weights[p]);
             let (metric, v) = (self.cell_metric(geometry, at), self.cell_velocity(geometry, at));
-            let u = self.state(&scratch.u, at);
+            let u = self.state(u, at);
             let (psi, phi) = self.law.entropy_potential(&u);
             sums.delta += self.through_ends(&psi, &metric, planes, p);
-            sums.delta -= self.entropy_flux(&u, &metric, &v, at, scratch) * weight;
-            let slopes = self.physical_gradient(&scratch.entropy.gradient, at, &metric);
+            sums.delta -= self.entropy_flux(&u, &metric, &v, at, entropy) * weight;
+            let slopes = self.physical_gradient(&entropy.gradient, at, &metric);
             let f = self.law.gradient_by_entropy(&u, &slopes);
             let per_square = self.inverse_square(&metric);
             let mut dissipation = phi.scale(per_square) * ROUND_OFF;
             for k in 0..D {
                 for m in 0..M {
                     dissipation += slopes[k][m] * f[k][m];
+                    f[k][m].store(&mut entropy.gradient, D * M * points, at.index(k * M + m), part);
                 }
             }
             let dissipation = dissipation.scale(metric.det) * weight;
@@ -187,20 +205,20 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
         metric: &Metric<T::Geometry, D>,
         v: &[T::Geometry; D],
         at: PointIndex,
-        scratch: &CellScratch,
+        entropy: &EntropyScratch,
     ) -> T::State {
         let f = self.law.flux(u, &[[u[0].zero(); M]; D], v);
         let (simd, points, part) = (self.simd, at.points, at.part);
         let mut sum = u[0].zero();
         for j in 0..D {
-            let phi_slope = T::State::load(simd, &scratch.entropy.phi_gradient, D * points, at.index(j), part);
+            let phi_slope = T::State::load(simd, &entropy.phi_gradient, D * points, at.index(j), part);
             let mut grid_flux = metric.cof[0][j] * v[0];
             for k in 1..D {
                 grid_flux += metric.cof[k][j] * v[k];
             }
             sum = phi_slope.scale_add(grid_flux, sum);
             for m in 0..M {
-                let slope = T::State::load(simd, &scratch.entropy.gradient, D * M * points, at.index(j * M + m), part);
+                let slope = T::State::load(simd, &entropy.gradient, D * M * points, at.index(j * M + m), part);
                 sum += along_reference(&f, &metric.cof, j, m) * slope;
             }
         }

@@ -64,7 +64,7 @@ pub(super) fn split_form<const D: usize>(mesh: &Mesh<D>, order: usize) -> Option
     inverted_by_interpolation(mesh, order).is_none().then_some((points, VolumeFlux::Entropy))
 }
 
-/// Checks `flow.volume_flux`: split forms need points that are the nodes.
+/// Checks `flow.volume_flux`: all but "central" need points that are the nodes.
 pub(super) fn volume_flux(checker: &Checker<'_>, key: &Key, raw: &raw::Flow) -> Checked<VolumeFlux> {
     let flux = match raw.volume_flux {
         raw::VolumeFlux::Central => VolumeFlux::Central,
@@ -73,7 +73,7 @@ pub(super) fn volume_flux(checker: &Checker<'_>, key: &Key, raw: &raw::Flow) -> 
         raw::VolumeFlux::EntropyViscosity => VolumeFlux::EntropyViscosity,
     };
     if flux != VolumeFlux::Central && raw.quadrature != raw::Quadrature::CollocatedLobatto {
-        let problem = "two-point fluxes need points of quadrature that are the nodes";
+        let problem = "all volume fluxes but \"central\" need points of quadrature that are the nodes";
         return Err(checker.combination(&key.child("volume_flux"), problem, "`quadrature = \"collocated_lobatto\"`"));
     }
     Ok(flux)
