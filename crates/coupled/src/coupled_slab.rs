@@ -184,21 +184,23 @@ impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
     }
 
     fn finish(&mut self, state: &mut State, interval: Interval, solved: Solved<M>) -> SlabReport<M> {
-        let Solved { newton, quality, jump, balance, z } = solved;
+        let Solved { newton, quality, jump, balance, mut z } = solved;
         let system = &mut self.system;
         let dt = interval.end - interval.start;
-        let (u, v, bottom) = (z[system.flow_range()].to_vec(), system.mesh.velocities().to_vec(), state.d.clone());
+        let (v, bottom) = (system.mesh.velocities().to_vec(), state.d.clone());
         system.mover().slab_motion.displacement(dt, &bottom, &v, 1.0, &mut state.d);
-        state.u = balance::at_top(system.flow.operator.layout, &u);
         state.determinants = system.flow.operator.determinants_at_top().to_vec();
         let bodies: Vec<Vec<f64>> = (0..system.bodies.len()).map(|body| z[system.body_range(body)].to_vec()).collect();
+        // The flow is the last part of z. It stays where it is: the vector is large.
+        z.drain(..system.flow_range().start);
+        state.u = balance::at_top(system.flow.operator.layout, &z);
         for ((body, z), stored) in system.bodies.iter_mut().zip(&bodies).zip(&mut state.bodies) {
             body.end_slab(z, stored);
         }
         let preconditioner = &mut system.flow.preconditioner;
         let (iterations, rebuilt) = (preconditioner.iterations_since_frozen(), preconditioner.frozen_in_slab());
         preconditioner.stale = state.reuse_policy.record(iterations, rebuilt);
-        state.past = Some(Past { interval, dt, bottom, u: Arc::new(u), v: Arc::new(v), bodies });
+        state.past = Some(Past { interval, dt, bottom, u: Arc::new(z), v: Arc::new(v), bodies });
         let Balance { totals, fluxes } = balance;
         let counts = system.take_counts();
         let (slab, rejected, eased) = (state.slab + 1, state.rejected, self.eased.take());
@@ -314,8 +316,9 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         }
         let (mut mass_product, scales) = (vec![0.0; jump.len()], flow.problem.kernels.scales());
         flow.mass_product(&jump, SlabEnd::Bottom, &mut mass_product);
-        let square = |(i, (jump, moment)): (usize, (&f64, &f64))| jump * moment / scales[one.component_of(i)].powi(2);
-        let squares: Vec<f64> = jump.iter().zip(&mass_product).enumerate().map(square).collect();
-        inner_product::sum_over_blocks(&squares, &flow.share.ends, &flow.share.sums).max(0.0).sqrt()
+        for (i, (jump, moment)) in jump.iter_mut().zip(&mass_product).enumerate() {
+            *jump = *jump * moment / scales[one.component_of(i)].powi(2);
+        }
+        inner_product::sum_over_blocks(&jump, &flow.share.ends, &flow.share.sums).max(0.0).sqrt()
     }
 }

@@ -8,6 +8,7 @@ use crate::preconditioner::{
 };
 use crate::reuse_policy::{FREEZING, RebuiltInSlab};
 use fem::{Bottom, SlabOperator};
+use std::sync::Arc;
 
 /// A slab length, or a damping, that differs by this part needs new factors.
 const CHANGED: f64 = 0.1;
@@ -25,8 +26,8 @@ pub struct Linearisation {
     pub bottom: Vec<f64>,
     /// Mesh velocities.
     pub velocities: Vec<f64>,
-    /// The flow.
-    pub state: Vec<f64>,
+    /// The flow. A checkpoint shares it.
+    pub state: Arc<Vec<f64>>,
     /// The times for which the modes are factored now.
     pub built_for: TimeScales,
     /// The order of elimination.
@@ -181,7 +182,7 @@ impl<const D: usize, const M: usize> LaggedPreconditioner<D, M> {
             interval: flow.interval(),
             bottom: bottom.to_vec(),
             velocities: velocities.to_vec(),
-            state: flow.linearisation(),
+            state: Arc::new(flow.linearisation()),
             built_for: scales,
             ordering: preconditioner.ordering(),
             coarse_level: self.coarse_level,

@@ -27,6 +27,10 @@ use std::ops::Range;
 /// Up to this many unknowns of bodies, products along the mesh that follows them are kept.
 const MOST_DIRECTIONS: usize = 12;
 
+/// The effect of the mesh on the flow is that of an earlier Newton step while it is at most this part of the flow's residual: what it lacks is
+/// then far less.
+const SMALL_EFFECT: f64 = 0.03;
+
 /// The coupled problem of the current slab.
 pub struct System<const D: usize, const M: usize> {
     /// Bodies: they move walls, and the flow loads them.
@@ -212,6 +216,24 @@ impl<const D: usize, const M: usize> System<D, M> {
         Counts { elasticity_iterations, ..std::mem::take(&mut self.flow.counts) }
     }
 
+    /// Block lower triangular: each block after the effect of the blocks before it.
+    fn apply_inverses(&mut self, r: &[f64], out: &mut [f64]) {
+        self.reset_walls();
+        self.each(|block, range, _, _, tangent| block.precondition(&r[range.clone()], tangent, &mut out[range]));
+    }
+
+    /// Whether the effect of the mesh is that of an earlier point of linearisation, and too large for that. The first residual after a
+    /// linearisation decides.
+    fn must_take_effect_anew(&mut self, r: &[f64]) -> bool {
+        let range = self.flow_range();
+        let Some(effect) = self.flow.unjudged_effect() else { return false };
+        let mut full = vec![0.0; r.len()];
+        full[range.clone()].copy_from_slice(effect);
+        let norm = |x: &[f64]| self.weights.norm_on(range.clone(), x);
+        let is_small = norm(&full) <= SMALL_EFFECT * norm(r);
+        self.flow.judge_effect(is_small)
+    }
+
     /// The norm of each field of a residual.
     pub fn field_norms(&self, r: &[f64]) -> Vec<f64> {
         self.fields.iter().map(|field| self.weights.norm_on(field.range.clone(), r)).collect()
@@ -283,10 +305,11 @@ impl<const D: usize, const M: usize> NonlinearProblem for System<D, M> {
         self.mesh.solve_ahead(norm, &right_side[range.clone()], &mut increment[range]);
     }
 
-    /// Block lower triangular: each block after the effect of the blocks before it.
     fn precondition(&mut self, r: &[f64], out: &mut [f64]) {
-        self.reset_walls();
-        self.each(|block, range, _, _, tangent| block.precondition(&r[range.clone()], tangent, &mut out[range]));
+        self.apply_inverses(r, out);
+        if self.must_take_effect_anew(r) {
+            self.apply_inverses(r, out);
+        }
     }
 
     fn round_off(&mut self, z: &[f64]) -> Option<Vec<f64>> {

@@ -1,6 +1,6 @@
 //! Cells and facets in batches of one per SIMD lane, and the relation of facets and cells.
 
-use mesh::{Mesh, Orientation, Side};
+use mesh::{Mesh, Orientation, Side, face_nodes};
 use std::collections::BTreeMap;
 use tensor::{Pack, WIDTH};
 
@@ -10,6 +10,10 @@ pub struct Permutation {
     pub flow: Vec<usize>,
     /// For the nodes of the mesh.
     pub mesh: Vec<usize>,
+    /// For each face of the plus cell, the flow nodes of that cell in the lattice of the minus side.
+    pub flow_of_cell: Vec<Vec<usize>>,
+    /// The same for the nodes of the mesh.
+    pub mesh_of_cell: Vec<Vec<usize>>,
 }
 
 /// Up to [`WIDTH`] facets of the same kind. Unused lanes repeat the last facet.
@@ -63,6 +67,11 @@ impl FacetBatches {
         (number != 0).then(|| &self.permutations[number])
     }
 
+    /// The permutation from the lattice of the minus side to that of `side`.
+    pub fn lattice(&self, batch: &FacetBatch, lane: usize, side: usize) -> &Permutation {
+        &self.permutations[if side == 0 { 0 } else { batch.plus[lane].1 }]
+    }
+
     /// Batches the facets of `mesh` for a flow and a mesh of the given orders.
     pub fn new<const D: usize>(mesh: &Mesh<D>, flow_order: usize, mesh_order: usize) -> Self {
         let mut permutations = Vec::new();
@@ -70,8 +79,16 @@ impl FacetBatches {
         let identity = Orientation::default();
         let mut number = |orientation: Orientation| {
             *known.entry(orientation).or_insert_with(|| {
-                let map = |n: usize| (0..n.pow(D as u32 - 1)).map(|i| orientation.plus_index(D - 1, n, i)).collect();
-                permutations.push(Permutation { flow: map(flow_order), mesh: map(mesh_order) });
+                let map = |n: usize| -> Vec<usize> {
+                    (0..n.pow(D as u32 - 1)).map(|i| orientation.plus_index(D - 1, n, i)).collect()
+                };
+                let (flow, mesh) = (map(flow_order), map(mesh_order));
+                let of_cell = |n: usize, map: &[usize]| {
+                    let faces = (0..2 * D).map(|face| face_nodes(D, n, face));
+                    faces.map(|nodes| map.iter().map(|&i| nodes[i]).collect()).collect()
+                };
+                let [flow_of_cell, mesh_of_cell] = [of_cell(flow_order, &flow), of_cell(mesh_order, &mesh)];
+                permutations.push(Permutation { flow, mesh, flow_of_cell, mesh_of_cell });
                 permutations.len() - 1
             })
         };

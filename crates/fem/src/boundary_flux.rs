@@ -233,7 +233,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let time_points = self.tables.time_points.iter().chain([&self.tables.top]).zip(&self.position_rows);
         let (origins, top) = (self.facet_origins(batch).map(in_space), self.tables.time_points.len());
         self.facet_scratch.with(|scratch| {
-            self.gather_states(Differentiate::Nothing, &[&self.state_traces], batch, scratch);
+            self.gather_states(Differentiate::Nothing, &[self.traced_state()], batch, scratch);
             self.gather_mesh(Differentiate::Nothing, batch, scratch);
             if let Some(velocity) = velocity_at_top {
                 self.gather_boundary_velocity(velocity, batch, &mut scratch.boundary_velocity);

@@ -4,7 +4,7 @@ use crate::batches::{FacetBatch, Permutation};
 use crate::kernels::Differentiate;
 use crate::operator::SlabOperator;
 use crate::scratch::FacetScratch;
-use crate::traces::Traces;
+use crate::traces::Traced;
 use std::array::from_fn;
 use tensor::{Pack, WIDTH};
 
@@ -31,6 +31,15 @@ fn write_lane(packs: &[Pack], lane: usize, out: &mut [f64]) {
     }
 }
 
+/// Reads the values at `nodes` of 8 cells, `[tensor][node]` with `of_cell` nodes in a cell, into `[tensor][number of the node]`.
+pub(crate) fn gather_nodes(cells: [&[f64]; WIDTH], of_cell: usize, nodes: [&[usize]; WIDTH], packs: &mut [Pack]) {
+    for (lane, (cell, nodes)) in cells.into_iter().zip(nodes).enumerate() {
+        for (tensor, packs) in cell.chunks_exact(of_cell).zip(packs.chunks_exact_mut(nodes.len())) {
+            packs.iter_mut().zip(nodes).for_each(|(pack, &node)| pack.0[lane] = tensor[node]);
+        }
+    }
+}
+
 /// Reads the traces of 8 sides; nodes are reordered by the permutation of each lane, if there is one.
 pub(crate) fn gather_traces(
     sources: [&[f64]; WIDTH],
@@ -50,28 +59,39 @@ pub(crate) fn gather_traces(
     gather(from_fn(in_order), packs);
 }
 
+/// Reads the numbers of each cell of a batch, `[cell][..]`, into blocks of packs, one for each of `sources`.
+pub(crate) fn gather_cells(sources: &[&[f64]], cells: [usize; WIDTH], blocks: &mut [Pack]) {
+    let len = blocks.len() / 2;
+    for (source, block) in sources.iter().zip(blocks.chunks_exact_mut(len)) {
+        gather(cells.map(|cell| &source[cell * len..(cell + 1) * len]), block);
+    }
+}
+
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Reads the traces of the state on both sides of a batch of facets, in the lattice of minus, for a kernel that differentiates `along`.
     /// There is one block per entry of `state`.
     pub(crate) fn gather_states(
         &self,
         along: Differentiate,
-        state: &[&Traces],
+        state: &[Traced],
         batch: &FacetBatch,
         scratch: &mut FacetScratch,
     ) {
         let FacetScratch { sides, normal_sign, reordered, .. } = scratch;
         *normal_sign = batch.normal_sign;
-        let (len, kinds) = (state[0].layout.kind_len(), self.kinds());
+        let layout = state[0].traces.layout;
+        let len = layout.kind_len();
         for (number, side) in sides.iter_mut().enumerate().take(batch.sides()) {
             let ends = batch.ends(number);
+            let nodes = from_fn(|lane| &self.facets.lattice(batch, lane, number).flow_of_cell[ends[lane].face][..]);
             let permutations = from_fn(|lane| self.facets.permutation(batch, lane, number).map(|p| &p.flow[..]));
-            let of_kinds = side.state.chunks_exact_mut(along.state_blocks() * len).take(kinds);
-            for (kind, packs) in of_kinds.enumerate() {
-                for (traces, packs) in state.iter().zip(packs.chunks_exact_mut(len)) {
-                    let sources = ends.map(|end| traces.of(end.cell, end.face, kind));
-                    gather_traces(sources, permutations, packs, reordered);
-                }
+            let (values, derivatives) = side.state.split_at_mut(along.state_blocks() * len);
+            for (traced, packs) in state.iter().zip(values.chunks_exact_mut(len)) {
+                gather_nodes(ends.map(|end| traced.cell(end.cell)), layout.nodes, nodes, packs);
+            }
+            let differentiated = state.iter().filter(|_| layout.kinds > 1);
+            for (traced, packs) in differentiated.zip(derivatives.chunks_exact_mut(len)) {
+                gather_traces(ends.map(|end| traced.traces.derivatives_on(end)), permutations, packs, reordered);
             }
         }
     }
@@ -100,16 +120,15 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
     /// The terms of a batch of facets, `[facet][side][kind][a][m][face node]`, every side in its own lattice. They are NaN if a trace
     /// was inadmissible.
-    pub(crate) fn scatter_terms(&self, batch: &FacetBatch, scratch: &FacetScratch, viscous: bool, terms: &mut [f64]) {
+    pub(crate) fn scatter_terms(&self, batch: &FacetBatch, scratch: &FacetScratch, terms: &mut [f64]) {
         if scratch.violated != Pack::ZERO {
             // No admissible residual is NaN, so the cells that read it see the violation.
             return terms.fill(f64::NAN);
         }
-        let layout = self.state_traces.layout;
-        let len = layout.kind_len() * if viscous { 2 } else { 1 };
+        let layout = self.traced_state().traces.layout;
         for (lane, terms) in terms.chunks_exact_mut(2 * layout.face_len()).take(batch.count).enumerate() {
             for (side, terms) in terms.chunks_exact_mut(layout.face_len()).take(batch.sides()).enumerate() {
-                let packs = &scratch.sides[side].terms[..len];
+                let packs = &scratch.sides[side].terms[..layout.face_len()];
                 let Some(Permutation { flow, .. }) = self.facets.permutation(batch, lane, side) else {
                     write_lane(packs, lane, terms);
                     continue;

@@ -15,7 +15,7 @@ use crate::layout::Layout;
 use crate::operator::SlabOperator;
 use crate::scratch::{CellScratch, FacetScratch, SideScratch};
 use crate::time_points::{InTime, TimePoint};
-use crate::traces::{FaceMaps, TraceLayout, Traces};
+use crate::traces::{FaceMaps, TraceLayout, Traced, Traces};
 use basis::Matrix;
 use rayon::prelude::*;
 use std::ops::AddAssign;
@@ -160,6 +160,7 @@ pub(crate) struct FrozenPoint {
     time_point: TimePoint,
     row: Matrix,
     test: Matrix,
+    /// Of own cells and ghosts.
     state: Vec<f64>,
     pub(crate) traces: Traces,
 }
@@ -222,16 +223,11 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
     pub(crate) fn freeze(&self, s: f64) -> FrozenPoint {
         let time_point = TimePoint::of_space(&self.tables.time, s);
-        let (one, state) = (self.layout.at_one_time(), self.state_at(s));
-        let layout = TraceLayout {
-            faces: 2 * D,
-            slots: 1,
-            components: M,
-            nodes: one.nodes,
-            face_nodes: self.tables.orders.flow.pow(D as u32 - 1),
-        };
+        let state = self.state_at(s);
+        let kinds = if self.problem.kernels.is_viscous() { 2 } else { 1 };
+        let layout = TraceLayout::new::<D>(kinds, [1, M], self.tables.orders.flow);
         let mut traces = Traces::new(layout, self.all_cells());
-        traces.take(&self.flow_faces, &state, self.problem.kernels.is_viscous());
+        traces.take(&self.flow_faces, &state);
         FrozenPoint {
             row: time_point.position_row(self.interval().1),
             test: Matrix::identity(1),
@@ -249,9 +245,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// The state of own cells and ghosts last set, at position `s`.
     pub(crate) fn state_at(&self, s: f64) -> Vec<f64> {
         let one = self.layout.at_one_time();
-        let (cells, mut linearisation) = (self.all_cells(), self.linearisation());
-        let of_ghosts = (one.cells..cells).flat_map(|cell| self.state_traces.coefficients_of(cell));
-        linearisation.extend(of_ghosts);
+        let (cells, linearisation) = (self.all_cells(), self.traced_state().coefficients);
         let mut state = vec![0.0; cells * one.cell_len()];
         for (a, phi) in self.tables.time.values(s).into_iter().enumerate() {
             for cell in 0..cells {
@@ -362,7 +356,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
     /// Reads the traces of state and mesh on a batch of facets, and computes its geometry.
     pub(crate) fn gather_frozen_facets(&self, batch: &FacetBatch, frozen: &FrozenPoint, scratch: &mut FacetScratch) {
-        self.gather_states(Differentiate::State, &[&frozen.traces], batch, scratch);
+        let state = Traced { coefficients: &frozen.state, ghosts: &[], traces: &frozen.traces };
+        self.gather_states(Differentiate::State, &[state], batch, scratch);
         self.gather_mesh(Differentiate::Nothing, batch, scratch);
         let (viscous, used, in_time) = (self.problem.kernels.is_viscous(), batch.sides(), frozen.in_time());
         let mut out = std::mem::take(&mut scratch.geometry);

@@ -16,7 +16,7 @@ use crate::share::Share;
 use crate::slab_geometry::{SlabEnd, SlabGeometry};
 use crate::tables::Tables;
 use crate::time_points::Clock;
-use crate::traces::{FaceMaps, Traces};
+use crate::traces::{FaceMaps, Traced, Traces};
 use crate::wall_loads::NodalLoads;
 use basis::Matrix;
 use rayon::prelude::*;
@@ -97,19 +97,23 @@ pub struct SlabOperator<const D: usize, const M: usize> {
     pub(crate) positions_and_top: Matrix,
     bottom_values: Vec<f64>,
     bottom_mass_product: Vec<f64>,
-    pub(crate) state_traces: Traces,
+    /// The state of own cells and ghosts at which products are taken.
+    state: Vec<f64>,
+    state_traces: Traces,
+    /// The direction of products in ghosts, at the nodes of faces at the cuts.
+    direction_of_ghosts: Vec<f64>,
     direction_traces: Traces,
-    pub(crate) mesh_traces: MeshTraces,
+    mesh_traces: MeshTraces,
     mesh_direction: MovingMesh,
     mesh_direction_traces: MeshTraces,
+    /// The derivatives of mesh or direction, while their traces are taken.
+    mesh_derivatives: Traces,
     terms: Vec<f64>,
     pub(crate) cells: PerThread<CellScratch>,
     pub(crate) facet_scratch: PerThread<FacetScratch>,
     pub(crate) wall_loads: NodalLoads,
     /// For every boundary facet its number in the whole mesh.
     pub(crate) boundary_facets: Vec<usize>,
-    /// Coefficients of own cells and ghosts.
-    with_ghosts: Vec<f64>,
     /// The geometry on the mesh last set, where it is kept.
     pub(crate) geometry: SlabGeometry,
 }
@@ -168,46 +172,47 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Sets the mesh velocities of the slab, `[time node][C0 node][component]`.
     pub fn set_mesh(&mut self, velocities: &[f64]) {
         self.mesh.set_velocities(velocities);
-        self.mesh_traces.take(&self.mesh_faces, &self.mesh.data, &self.facets);
+        let SlabOperator { mesh, mesh_faces, mesh_traces, mesh_derivatives, facets, .. } = self;
+        take_mesh(mesh, mesh_faces, mesh_derivatives, facets, mesh_traces);
         self.take_geometry();
     }
 
     /// Sets the state at which Jacobian products are taken.
     pub fn linearise(&mut self, state: &[f64]) {
-        let SlabOperator { share, layout, with_ghosts, state_traces, flow_faces, problem, .. } = self;
-        let all = share.with_ghosts(state, layout.cell_len(), with_ghosts);
-        state_traces.take(flow_faces, all, problem.kernels.is_viscous());
+        self.share.with_ghosts(state, self.layout.cell_len(), &mut self.state);
+        self.state_traces.take(&self.flow_faces, &self.state);
     }
 
-    /// Takes the traces of a direction of the state in own cells. The traces of ghosts at the cuts are received before they are read.
-    fn take_direction(&mut self, direction: &[f64]) {
-        self.direction_traces.take(&self.flow_faces, direction, self.problem.kernels.is_viscous());
+    /// The state of own cells and ghosts, with its traces.
+    pub(crate) fn traced_state(&self) -> Traced<'_> {
+        Traced { coefficients: &self.state, ghosts: &[], traces: &self.state_traces }
     }
 
     /// The state at which Jacobian products are taken.
     pub fn linearisation(&self) -> Vec<f64> {
-        (0..self.layout.cells).flat_map(|cell| self.state_traces.coefficients_of(cell)).collect()
+        self.state[..self.layout.len()].to_vec()
     }
 
     /// The residual R(U; V) at the mesh last set. An error is the first violation in the order of cells; `out` is then undefined.
     pub fn residual(&mut self, state: &[f64], out: &mut [f64]) -> Result<(), Violation> {
         self.linearise(state);
-        let own = self.run(Differentiate::Nothing, out).map(|cell| self.describe_violation(cell));
+        let own = self.run(Differentiate::Nothing, &[], out).map(|cell| self.describe_violation(cell));
         self.share.first_violation(own).map_or(Ok(()), Err)
     }
 
     /// The derivative of the residual along a direction of the state.
     pub fn product(&mut self, direction: &[f64], out: &mut [f64]) {
-        self.take_direction(direction);
-        self.run(Differentiate::State, out);
+        self.direction_traces.take(&self.flow_faces, direction);
+        self.run(Differentiate::State, direction, out);
     }
 
     /// The derivative of the residual along directions of the state and of the mesh velocities.
     pub fn product_with_mesh(&mut self, direction: &[f64], velocities: &[f64], out: &mut [f64]) {
-        self.take_direction(direction);
+        self.direction_traces.take(&self.flow_faces, direction);
         self.mesh_direction.set_direction(velocities);
-        self.mesh_direction_traces.take(&self.mesh_faces, &self.mesh_direction.data, &self.facets);
-        self.run(Differentiate::StateAndMesh, out);
+        let SlabOperator { mesh_direction, mesh_faces, mesh_direction_traces, mesh_derivatives, facets, .. } = self;
+        take_mesh(mesh_direction, mesh_faces, mesh_derivatives, facets, mesh_direction_traces);
+        self.run(Differentiate::StateAndMesh, direction, out);
     }
 
     /// Mass product int psi u J of a state at an end of the slab.
@@ -240,4 +245,16 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             }
         }
     }
+}
+
+/// Takes the traces of `mesh` on facets; `derivatives` is room.
+fn take_mesh(
+    mesh: &MovingMesh,
+    faces: &FaceMaps,
+    derivatives: &mut Traces,
+    facets: &FacetBatches,
+    to: &mut MeshTraces,
+) {
+    derivatives.take(faces, &mesh.data);
+    to.take(Traced { coefficients: &mesh.data, ghosts: &[], traces: derivatives }, facets);
 }

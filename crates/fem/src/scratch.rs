@@ -7,10 +7,28 @@ use crate::tables::{Orders, Tables};
 use crate::tensor_product::Scratch;
 use tensor::{Pack, WIDTH, zeroed};
 
+/// Coefficients of a batch of cells, for the values and for a direction.
+#[derive(Default)]
+pub struct CellCoefficientPacks {
+    /// Of the state, `[b][a][m][i]`.
+    pub(crate) state: Vec<Pack>,
+    /// Of the mesh, `[b][slot][d][mesh node]`.
+    pub(crate) mesh: Vec<Pack>,
+}
+
+impl CellCoefficientPacks {
+    /// The blocks of state and mesh.
+    pub(crate) fn blocks(&self) -> [[&[Pack]; 2]; 2] {
+        [&self.state, &self.mesh].map(|packs| packs.split_at(packs.len() / 2).into())
+    }
+}
+
 /// Packs of one batch of cells, for any mode.
 ///
 /// `b` counts blocks (values, derivatives), `p` the points of a block of planes, `i` space nodes, `a` time nodes, `m` components of the state.
 pub struct CellScratch {
+    /// Coefficients in the slab.
+    pub(crate) coefficients: CellCoefficientPacks,
     /// Residual, `[a][m][i]`.
     pub residual: Vec<Pack>,
     /// State, `[b][time, last the top][m][i]`; for the operator of space alone and for the mass product at one time.
@@ -46,7 +64,10 @@ impl CellScratch {
         let (n_t, time_points, points) = (tables.orders.time, tables.time_points.len(), tables.block_points());
         let nodes = tables.orders.flow.pow(D as u32);
         let widest = tables.rule.points.len().max(tables.orders.flow).max(tables.orders.mesh);
+        let mesh_nodes = tables.orders.mesh.pow(D as u32);
+        let [state, mesh] = [n_t * M * nodes, (n_t + 1) * D * mesh_nodes].map(|len| zeroed(2 * len));
         CellScratch {
+            coefficients: CellCoefficientPacks { state, mesh },
             residual: zeroed(n_t * M * nodes),
             state_at: zeroed(2 * (time_points + 1) * M * nodes),
             flux_at: zeroed(time_points * M * nodes),

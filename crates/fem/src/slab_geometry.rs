@@ -6,11 +6,10 @@
 use crate::batches::{BATCHES_PER_TASK, FacetBatch, cells_of};
 use crate::cell_geometry::{CellMotion, GeometryOfSlab, GeometryOfSpace, GeometryScratch, kept_len};
 use crate::facet_geometry::{GeometryOfFacets, facet_geometry_len};
-use crate::gather::{gather, scatter};
+use crate::gather::{gather, gather_cells, scatter};
 use crate::kernels::Differentiate;
 use crate::mode::{AlongStateAndMesh, Values};
 use crate::operator::SlabOperator;
-use crate::per_thread::PerThread;
 use crate::scratch::CellScratch;
 use crate::tables::{Orders, Quadrature, Tables};
 use rayon::prelude::*;
@@ -164,18 +163,12 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Computes the determinants at the top, where no geometry is kept.
     fn take_tops(&self, geometry: &mut SlabGeometry) {
         let SlabGeometry { of_batch: [len, _], carried: [bottom, top], .. } = geometry;
-        let (cells, cell_len) = (self.layout.cells, self.mesh.cell_len());
-        let coefficients = PerThread::new(|| zeroed(cell_len));
         let tops = top.par_chunks_mut(WIDTH * self.layout.nodes).enumerate();
         tops.with_max_len(BATCHES_PER_TASK).for_each(|(batch, top)| {
-            coefficients.with(|mesh| {
-                let of_cell = |cell: usize| &self.mesh.data[cell * cell_len..(cell + 1) * cell_len];
-                gather(cells_of(batch, cells).map(of_cell), mesh);
-                self.cells.with(|scratch| {
-                    let mut out = std::mem::take(&mut scratch.geometry.known);
-                    self.geometry_of_batch(batch, &[mesh], bottom, scratch, (&mut out[..*len], top));
-                    scratch.geometry.known = out;
-                });
+            self.cells.with(|scratch| {
+                let mut out = std::mem::take(&mut scratch.geometry.known);
+                self.geometry_of_batch(batch, bottom, scratch, (&mut out[..*len], top));
+                scratch.geometry.known = out;
             });
         });
     }
@@ -184,14 +177,16 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     fn geometry_of_batch(
         &self,
         batch: usize,
-        mesh: &[&[Pack]],
         bottom: &[f64],
         scratch: &mut CellScratch,
         (out, top): (&mut [Pack], &mut [f64]),
     ) {
-        let CellScratch { geometry: scratch, determinant_at, .. } = scratch;
+        let CellScratch { coefficients, geometry: scratch, determinant_at, .. } = scratch;
         let (tables, nodes) = (&self.tables, self.layout.nodes);
         gather_nodal(bottom, batch, determinant_at);
+        gather_cells(&[&self.mesh.data], cells_of(batch, self.layout.cells), &mut coefficients.mesh);
+        let [_, [mesh, _]] = coefficients.blocks();
+        let mesh = &[mesh];
         let motion = CellMotion { tables, positions: &self.positions_and_top, mesh, bottom: determinant_at };
         Arch::new().dispatch(GeometryOfSlab { motion, scratch, out, mode: PhantomData::<Values> });
         if !top.is_empty() {
@@ -206,8 +201,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         tops.resize_with(cells.len() / *len, Default::default);
         let batches = cells.par_chunks_mut(*len).zip(tops).enumerate();
         batches.with_max_len(BATCHES_PER_TASK).for_each(|(batch, (out, top))| {
-            let mesh = &[self.mesh_traces.coefficients(batch)];
-            self.cells.with(|scratch| self.geometry_of_batch(batch, mesh, bottom, scratch, (out, top)));
+            self.cells.with(|scratch| self.geometry_of_batch(batch, bottom, scratch, (out, top)));
         });
     }
 
@@ -224,15 +218,14 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         });
     }
 
-    /// Computes the geometry of a batch of cells with its derivatives along the direction of the mesh, for collocated rules. Other rules do
+    /// Computes the geometry of a batch of cells with its derivatives along the direction of the `mesh`, for collocated rules. Other rules do
     /// that in their kernels.
-    pub(crate) fn differentiate_geometry(&self, batch: usize, scratch: &mut CellScratch) {
+    pub(crate) fn differentiate_geometry(&self, batch: usize, mesh: &[&[Pack]], scratch: &mut CellScratch) {
         if self.tables.collocation.is_none() {
             return;
         }
         gather_nodal(self.geometry.determinants(SlabEnd::Bottom), batch, &mut scratch.determinant_at);
         let CellScratch { geometry: scratch, determinant_at: bottom, .. } = scratch;
-        let mesh = &self.mesh_and_direction().map(|traces| traces.coefficients(batch));
         let motion = CellMotion { tables: &self.tables, positions: &self.positions_and_top, mesh, bottom };
         let mut out = std::mem::take(&mut scratch.known);
         let mode = PhantomData::<AlongStateAndMesh>;

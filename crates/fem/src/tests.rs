@@ -62,14 +62,29 @@ fn lifting_is_the_transpose_of_taking_traces() {
         let maps = FaceMaps::new(&Shape1d::new(order, &[0.0]), dimension);
         let (nodes, face_nodes) = (order.pow(dimension as u32), order.pow(dimension as u32 - 1));
         let (u, f) = (packs(tensors * nodes, 0.1), packs(2 * dimension * 2 * tensors * face_nodes, 0.2));
-        let (mut traces, mut lifted) = (zeroed(f.len()), zeroed(u.len()));
-        maps.extract(tensors, &u, true, &mut traces);
-        maps.lift(tensors, &f, true, &mut lifted);
+        let mut lifted = zeroed(u.len());
+        let traces = traces(&maps, [dimension, order, tensors], &u);
+        maps.lift(tensors, &f, 2, &mut lifted);
         let (left, right) = (inner_product(&traces, &f), inner_product(&u, &lifted));
         for lane in 0..WIDTH {
             assert!((left[lane] - right[lane]).abs() < 1e-11 * left[lane].abs().max(1.0), "{dimension}-D");
         }
     }
+}
+
+/// The traces of `u`, `[face][kind][tensor][face node]`.
+fn traces(maps: &FaceMaps, [dimension, order, tensors]: [usize; 3], u: &[Pack]) -> Vec<Pack> {
+    let kind_len = tensors * order.pow(dimension as u32 - 1);
+    let mut derivatives = zeroed(2 * dimension * kind_len);
+    maps.derivatives(tensors, u, &mut derivatives);
+    let of_face = |face: usize| {
+        let nodes = mesh::face_nodes(dimension, order, face);
+        let tensors = u.chunks_exact(order.pow(dimension as u32));
+        let mut of_face: Vec<Pack> = tensors.flat_map(|tensor| nodes.iter().map(|&node| tensor[node])).collect();
+        of_face.extend(&derivatives[face * kind_len..(face + 1) * kind_len]);
+        of_face
+    };
+    (0..2 * dimension).flat_map(of_face).collect()
 }
 
 /// The functionals give the preconditioner the same traces.
@@ -78,9 +93,8 @@ fn traces_are_the_functionals_of_the_nodes() {
     for dimension in [2, 3] {
         let order = 4;
         let maps = FaceMaps::new(&Shape1d::new(order, &[0.0]), dimension);
-        let (u, face_nodes) = (packs(order.pow(dimension as u32), 0.1), order.pow(dimension as u32 - 1));
-        let mut traces = zeroed(2 * dimension * 2 * face_nodes);
-        maps.extract(1, &u, true, &mut traces);
+        let u = packs(order.pow(dimension as u32), 0.1);
+        let traces = traces(&maps, [dimension, order, 1], &u);
         let functionals = (0..2 * dimension).flat_map(|face| maps.functionals(face, true));
         for (functional, trace) in functionals.zip(&traces) {
             let expected: f64 = functional.iter().map(|&(node, weight)| weight * u[node].0[3]).sum();

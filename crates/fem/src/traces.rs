@@ -7,18 +7,21 @@ use crate::tables::Shape1d;
 use basis::{AlongAxis, Matrix, contract};
 use mesh::{Side, axis_and_side, face_nodes};
 use rayon::prelude::*;
+use std::ops::Range;
 use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, WIDTH, zeroed};
 
-/// The layout of the traces of a set of cell coefficients: `[cell][face][kind][slot][component][face node]`.
+/// The layout of the traces of a set of cell coefficients, `[slot][component][face node]` for each kind.
 ///
-/// Kind 0 is values on the face's lattice, kind 1 derivatives along the reference axis that leaves the face. Slots are
-/// time nodes of the flow, or bottom position and velocities of the mesh.
+/// Kind 0 is values on the face's lattice: they are the coefficients of nodes. Kind 1 is derivatives along the reference axis that leaves
+/// the face; only viscous laws and the mesh need them. Slots are time nodes of the flow, or bottom position and velocities of the mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct TraceLayout {
     /// Faces of a cell, 2 D.
     pub faces: usize,
+    /// Kinds in use, 1 or 2.
+    pub kinds: usize,
     /// Slots.
     pub slots: usize,
     /// Components.
@@ -30,25 +33,26 @@ pub struct TraceLayout {
 }
 
 impl TraceLayout {
+    /// The layout of `kinds` of traces of nodal coefficients of `order` in `D` dimensions.
+    pub fn new<const D: usize>(kinds: usize, [slots, components]: [usize; 2], order: usize) -> Self {
+        let (nodes, face_nodes) = (order.pow(D as u32), order.pow(D as u32 - 1));
+        TraceLayout { faces: 2 * D, kinds, slots, components, nodes, face_nodes }
+    }
     /// Length of one kind on one face.
     pub fn kind_len(&self) -> usize {
         self.slots * self.components * self.face_nodes
     }
-    /// Length of one face.
+    /// Length of all kinds in use on one face.
     pub fn face_len(&self) -> usize {
-        2 * self.kind_len()
+        self.kinds * self.kind_len()
     }
-    /// Length of one cell.
-    pub fn cell_len(&self) -> usize {
-        self.faces * self.face_len()
+    /// Length of the derivatives on all faces of one cell; zero if the layout has none.
+    pub fn derivatives_len(&self) -> usize {
+        (self.kinds - 1) * self.faces * self.kind_len()
     }
     /// Number of coefficients of one cell.
     pub fn coefficients(&self) -> usize {
         self.slots * self.components * self.nodes
-    }
-    /// The start of a kind on a face of a cell.
-    pub fn start(&self, cell: usize, face: usize, kind: usize) -> usize {
-        cell * self.cell_len() + face * self.face_len() + kind * self.kind_len()
     }
 }
 
@@ -86,15 +90,15 @@ impl FaceMaps {
         if both { values.chain(derivatives).collect() } else { values.collect() }
     }
 
-    /// The traces of the tensors `coefficients[slot and component][node]` on all faces, `[face][kind][slot and component][face
-    /// node]`; kind 1 only if `both`.
-    pub fn extract(&self, tensors: usize, coefficients: &[Pack], both: bool, traces: &mut [Pack]) {
-        self.arch.dispatch(Extract { maps: self, tensors, both, coefficients, traces });
+    /// The derivatives of the tensors `coefficients[slot and component][node]` on all faces, `[face][slot and component][face node]`.
+    pub fn derivatives(&self, tensors: usize, coefficients: &[Pack], derivatives: &mut [Pack]) {
+        self.arch.dispatch(Derivatives { maps: self, tensors, coefficients, derivatives });
     }
 
-    /// The transpose of [`FaceMaps::extract`]: adds terms tested with traces to terms tested with cell functions.
-    pub fn lift(&self, tensors: usize, terms: &[Pack], both: bool, coefficients: &mut [Pack]) {
-        self.arch.dispatch(Lift { maps: self, tensors, both, terms, coefficients });
+    /// The transpose of the traces on all faces: adds terms tested with traces, `[face][kind][slot and component][face node]`, to terms
+    /// tested with cell functions.
+    pub fn lift(&self, tensors: usize, terms: &[Pack], kinds: usize, coefficients: &mut [Pack]) {
+        self.arch.dispatch(Lift { maps: self, tensors, kinds, terms, coefficients });
     }
 
     fn face(&self, face: usize, tensors: usize) -> Face<'_> {
@@ -102,9 +106,8 @@ impl FaceMaps {
         let (n, inner) = (self.order, self.order.pow(axis as u32));
         let outer = tensors * n.pow((self.dimension - 1 - axis) as u32);
         let kind_len = outer * inner;
-        let start = 2 * face * kind_len;
         let end = if side == 0 { 0 } else { n - 1 };
-        Face { n, end, outer, inner, start, kind_len, row: &self.rows[side], column: &self.columns[side] }
+        Face { n, end, outer, inner, kind_len, row: &self.rows[side], column: &self.columns[side] }
     }
 }
 
@@ -115,8 +118,7 @@ struct Face<'a> {
     end: usize,
     outer: usize,
     inner: usize,
-    /// The start of its traces, and the number of traces of a kind.
-    start: usize,
+    /// The number of traces of a kind.
     kind_len: usize,
     row: &'a Matrix,
     column: &'a Matrix,
@@ -129,30 +131,21 @@ impl<'a> Face<'a> {
     }
 }
 
-struct Extract<'a> {
+struct Derivatives<'a> {
     maps: &'a FaceMaps,
     tensors: usize,
-    both: bool,
     coefficients: &'a [Pack],
-    traces: &'a mut [Pack],
+    derivatives: &'a mut [Pack],
 }
 
-impl WithSimd for Extract<'_> {
+impl WithSimd for Derivatives<'_> {
     type Output = ();
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         for number in 0..2 * self.maps.dimension {
             let face = self.maps.face(number, self.tensors);
-            let (values, derivatives) =
-                self.traces[face.start..face.start + 2 * face.kind_len].split_at_mut(face.kind_len);
-            for o in 0..face.outer {
-                let from = (o * face.n + face.end) * face.inner;
-                values[o * face.inner..(o + 1) * face.inner]
-                    .copy_from_slice(&self.coefficients[from..from + face.inner]);
-            }
-            if self.both {
-                contract(simd, face.along(face.row), self.coefficients, derivatives, false);
-            }
+            let derivatives = &mut self.derivatives[number * face.kind_len..(number + 1) * face.kind_len];
+            contract(simd, face.along(face.row), self.coefficients, derivatives, false);
         }
     }
 }
@@ -160,7 +153,7 @@ impl WithSimd for Extract<'_> {
 struct Lift<'a> {
     maps: &'a FaceMaps,
     tensors: usize,
-    both: bool,
+    kinds: usize,
     terms: &'a [Pack],
     coefficients: &'a mut [Pack],
 }
@@ -171,7 +164,8 @@ impl WithSimd for Lift<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         for number in 0..2 * self.maps.dimension {
             let face = self.maps.face(number, self.tensors);
-            let (values, derivatives) = self.terms[face.start..face.start + 2 * face.kind_len].split_at(face.kind_len);
+            let len = self.kinds * face.kind_len;
+            let (values, derivatives) = self.terms[number * len..(number + 1) * len].split_at(face.kind_len);
             for o in 0..face.outer {
                 for i in 0..face.inner {
                     let node = &mut self.coefficients[(o * face.n + face.end) * face.inner + i];
@@ -181,77 +175,95 @@ impl WithSimd for Lift<'_> {
                     }
                 }
             }
-            if self.both {
+            if self.kinds > 1 {
                 contract(simd, face.along(face.column), derivatives, self.coefficients, true);
             }
         }
     }
 }
 
-/// Traces of all cells for one set of coefficients.
+/// The traces of a set of cell coefficients that are not among its coefficients: the derivatives.
 pub struct Traces {
     /// Their layout.
     pub layout: TraceLayout,
-    /// The numbers.
-    pub data: Vec<f64>,
-    /// The coefficients, `[batch][slot][component][node]`.
-    packs: Vec<Pack>,
-    /// Traces of one batch.
-    scratch: PerThread<Vec<Pack>>,
+    /// `[cell][face][slot][component][face node]`.
+    derivatives: Vec<f64>,
+    /// Coefficients and derivatives of one batch.
+    scratch: PerThread<[Vec<Pack>; 2]>,
 }
 
 impl Traces {
     /// Memory for the traces of `cells` cells.
     pub fn new(layout: TraceLayout, cells: usize) -> Self {
-        let packs = zeroed(cells.div_ceil(WIDTH) * layout.coefficients());
-        let scratch = PerThread::new(|| zeroed(layout.cell_len()));
-        Traces { layout, data: vec![0.0; cells * layout.cell_len()], packs, scratch }
+        let scratch = match layout.kinds {
+            1 => PerThread::new(Default::default),
+            _ => PerThread::new(|| [zeroed(layout.coefficients()), zeroed(layout.derivatives_len())]),
+        };
+        Traces { layout, derivatives: vec![0.0; cells * layout.derivatives_len()], scratch }
     }
 
-    /// Computes the traces of `coefficients[cell][slot][component][node]`; derivatives only if `both`. If the coefficients are those of the
-    /// first cells alone, the traces of the others are without meaning.
-    pub fn take(&mut self, maps: &FaceMaps, coefficients: &[f64], both: bool) {
-        let Traces { layout, ref mut data, ref mut packs, ref scratch, .. } = *self;
-        let len = layout.coefficients();
+    /// Computes the derivatives of `coefficients[cell][slot][component][node]`, if the layout has any. If the coefficients are those of
+    /// the first cells alone, the derivatives of the others are without meaning.
+    pub fn take(&mut self, maps: &FaceMaps, coefficients: &[f64]) {
+        let Traces { layout, ref mut derivatives, ref scratch } = *self;
+        let (len, derivatives_len) = (layout.coefficients(), layout.derivatives_len());
+        if derivatives_len == 0 {
+            return;
+        }
         let cells = coefficients.len() / len;
-        let batches = data.par_chunks_mut(WIDTH * layout.cell_len()).zip(packs.par_chunks_mut(len));
-        batches.take(cells.div_ceil(WIDTH)).enumerate().with_max_len(BATCHES_PER_TASK).for_each(
-            |(batch, (data, packs))| {
-                scratch.with(|traces| {
-                    gather(cells_of(batch, cells).map(|cell| &coefficients[cell * len..(cell + 1) * len]), packs);
-                    maps.extract(layout.slots * layout.components, packs, both, traces);
-                    scatter(traces, layout.cell_len(), data);
-                });
-            },
-        );
+        let batches = derivatives.par_chunks_mut(WIDTH * derivatives_len).take(cells.div_ceil(WIDTH)).enumerate();
+        batches.with_max_len(BATCHES_PER_TASK).for_each(|(batch, out)| {
+            scratch.with(|[packs, derivatives]| {
+                gather(cells_of(batch, cells).map(|cell| &coefficients[cell * len..(cell + 1) * len]), packs);
+                maps.derivatives(layout.slots * layout.components, packs, derivatives);
+                scatter(derivatives, derivatives_len, out);
+            });
+        });
     }
 
-    /// The coefficients of a batch of cells, `[slot][component][node]`.
-    pub fn coefficients(&self, batch: usize) -> &[Pack] {
-        let len = self.layout.coefficients();
-        &self.packs[batch * len..(batch + 1) * len]
-    }
-
-    /// The coefficients of a cell, `[slot][component][node]`.
-    pub fn coefficients_of(&self, cell: usize) -> impl Iterator<Item = f64> {
-        self.coefficients(cell / WIDTH).iter().map(move |pack| pack.0[cell % WIDTH])
-    }
-
-    /// All traces on one face, derivatives only if `both`.
-    pub fn on_face(&self, side: Side, both: bool) -> &[f64] {
-        let start = self.layout.start(side.cell, side.face, 0);
-        &self.data[start..start + self.layout.kind_len() * if both { 2 } else { 1 }]
+    /// The derivatives on one face, `[slot][component][face node]`; empty if the layout has none.
+    pub fn derivatives_on(&self, side: Side) -> &[f64] {
+        &self.derivatives[self.range_of(side)]
     }
 
     /// The same, to be written.
-    pub fn on_face_mut(&mut self, side: Side, both: bool) -> &mut [f64] {
-        let start = self.layout.start(side.cell, side.face, 0);
-        &mut self.data[start..start + self.layout.kind_len() * if both { 2 } else { 1 }]
+    pub fn derivatives_on_mut(&mut self, side: Side) -> &mut [f64] {
+        let range = self.range_of(side);
+        &mut self.derivatives[range]
     }
 
-    /// One kind on one face.
-    pub fn of(&self, cell: usize, face: usize, kind: usize) -> &[f64] {
-        let start = self.layout.start(cell, face, kind);
-        &self.data[start..start + self.layout.kind_len()]
+    fn range_of(&self, side: Side) -> Range<usize> {
+        let len = (self.layout.kinds - 1) * self.layout.kind_len();
+        let start = side.cell * self.layout.derivatives_len() + side.face * len;
+        start..start + len
+    }
+}
+
+/// Coefficients with their traces.
+#[derive(Clone, Copy)]
+pub struct Traced<'a> {
+    /// Those of own cells, perhaps followed by those of ghosts, `[cell][slot][component][node]`.
+    pub coefficients: &'a [f64],
+    /// Those of ghosts that do not follow there.
+    pub ghosts: &'a [f64],
+    /// The derivatives.
+    pub traces: &'a Traces,
+}
+
+impl<'a> Traced<'a> {
+    /// The coefficients of a cell, `[slot][component][node]`.
+    pub fn cell(&self, cell: usize) -> &'a [f64] {
+        let len = self.traces.layout.coefficients();
+        let own = self.coefficients.len() / len;
+        match cell < own {
+            true => &self.coefficients[cell * len..(cell + 1) * len],
+            false => &self.ghosts[(cell - own) * len..(cell - own + 1) * len],
+        }
+    }
+
+    /// The coefficients of `nodes` of a cell, `[slot][component][number of the node]`.
+    pub fn values_on(&self, cell: usize, nodes: &'a [usize]) -> impl Iterator<Item = f64> {
+        let tensors = self.cell(cell).chunks_exact(self.traces.layout.nodes);
+        tensors.flat_map(move |tensor| nodes.iter().map(move |&node| tensor[node]))
     }
 }

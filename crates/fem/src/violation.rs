@@ -55,9 +55,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     fn violation_at(&self, points: &Points, cell: usize, phi: &[f64], row: &[f64]) -> Option<(&'static str, f64)> {
         let mut position = vec![0.0; self.mesh.slot_len()];
         self.mesh.relative_positions(cell, row, &mut position);
-        let coefficients: Vec<f64> = self.state_traces.coefficients_of(cell).collect();
         let mut state = vec![0.0; self.layout.time_len()];
-        for (weight, nodal) in phi.iter().zip(coefficients.chunks_exact(state.len())) {
+        for (weight, nodal) in phi.iter().zip(self.traced_state().cell(cell).chunks_exact(self.layout.time_len())) {
             state.iter_mut().zip(nodal).for_each(|(u, value)| *u += weight * value);
         }
         let number = points.per_direction.pow(D as u32);

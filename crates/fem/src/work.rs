@@ -1,7 +1,9 @@
 //! The number of floating-point operations of the kernels.
 
+use crate::batches::cells_of;
 use crate::cell::{CellCoefficients, CellContext};
 use crate::facet::FacetContext;
+use crate::gather::gather_cells;
 use crate::kernels::{Differentiate, Times};
 use crate::operator::SlabOperator;
 use tensor::WIDTH;
@@ -21,12 +23,17 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let (dt, clock) = (self.interval().1, self.clock());
         let (geometry, positions) = (self.geometry.of_cells(0), &self.positions_and_top);
         let context = CellContext { tables: &self.tables, dt, clock, positions, source: None, geometry };
-        let state = [self.state_traces.coefficients(0); 2];
-        let (state, mesh) = (&state[..along.state_blocks()], &[self.mesh_traces.coefficients(0)][..]);
         self.cells.with(|scratch| {
+            let mut packs = std::mem::take(&mut scratch.coefficients);
+            let cells = cells_of(0, self.layout.cells);
+            gather_cells(&[self.traced_state().coefficients; 2], cells, &mut packs.state);
+            gather_cells(&[&self.mesh.data], cells, &mut packs.mesh);
+            let [state, [mesh, _]] = packs.blocks();
+            let (state, mesh) = (&state[..along.state_blocks()], &[mesh][..]);
             let before = scratch.scratch.multiplications;
             let at_points =
                 self.problem.kernels.count_cells(along, &context, CellCoefficients { state, mesh }, scratch);
+            scratch.coefficients = packs;
             Some(at_points? + in_lanes(scratch.scratch.multiplications - before))
         })
     }
@@ -43,7 +50,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             test: &self.tables.test,
             weight: dt,
         };
-        let state = [&self.state_traces, &self.state_traces];
+        let state = [self.traced_state(); 2];
         self.facet_scratch.with(|scratch| {
             self.gather_states(along, &state[..along.state_blocks()], batch, scratch);
             self.gather_mesh(Differentiate::Nothing, batch, scratch);

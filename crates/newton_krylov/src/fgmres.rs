@@ -148,10 +148,13 @@ impl Workspace {
         &self.work.history
     }
 
-    /// A vector that is free between two solves.
-    pub(crate) fn spare(&mut self, length: usize) -> &mut Vec<f64> {
-        self.work.z.resize(length, 0.0);
-        &mut self.work.z
+    /// Two vectors that are free between two solves.
+    pub(crate) fn spares(&mut self, length: usize) -> [&mut Vec<f64>; 2] {
+        let spares = [&mut self.work.z, &mut self.work.w];
+        spares.map(|spare| {
+            spare.resize(length, 0.0);
+            spare
+        })
     }
 
     /// Allocates memory for a solve of the given length.

@@ -182,7 +182,7 @@ mod tests {
     #[test]
     fn an_undefined_residual_next_to_the_state_is_a_typed_failure() {
         let at_the_edge = |z: &[f64]| match z[0] {
-            x if x > 1.0 => Err(Inadmissible { quantity: "x".into(), value: x, location: "beyond 1".into() }),
+            x if x < 1.0 => Err(Inadmissible { quantity: "x".into(), value: x, location: "below 1".into() }),
             x => Ok(vec![x - 2.0]),
         };
         let mut problem = Small::new(1, at_the_edge, |_| vec![vec![1.0]]);

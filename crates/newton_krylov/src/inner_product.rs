@@ -232,11 +232,6 @@ pub fn xpay(x: &[f64], a: f64, y: &mut [f64]) {
     update(x, y, &|x_i, y_i| x_i + a * y_i);
 }
 
-/// y := a x
-pub fn scaled_copy(a: f64, x: &[f64], y: &mut [f64]) {
-    update(x, y, &|x_i, _| a * x_i);
-}
-
 /// y := x
 pub fn copy(x: &[f64], y: &mut [f64]) {
     update(x, y, &|x_i, _| x_i);

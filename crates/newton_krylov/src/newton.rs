@@ -108,11 +108,9 @@ pub struct Workspace {
     increment: Vec<f64>,
     /// T_tau dz, while fields are damped.
     pseudo_term: Vec<f64>,
-    /// -R while the linear system is solved, then R at the trial.
-    trial_residual: Vec<f64>,
     /// G, while fields are damped.
     merit: Vec<f64>,
-    /// Of the linear solver; between two solves its spare vector holds the trial.
+    /// Of the linear solver; between two solves its spare vectors hold the trial and R there.
     krylov: fgmres::Workspace,
 }
 
@@ -124,7 +122,7 @@ impl Workspace {
 
     /// Makes room for a problem of the given length.
     fn prepare(&mut self, length: usize) {
-        for vector in [&mut self.residual, &mut self.increment, &mut self.trial_residual] {
+        for vector in [&mut self.residual, &mut self.increment] {
             vector.resize(length, 0.0);
         }
         // A workspace may serve problems of several lengths.

@@ -1,16 +1,20 @@
 //! The solver state: all data besides the case that a restart needs, by names.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use hdf5::{Group, Result};
 
 use crate::hdf::{constant, read_integer, read_text, write_integer, write_text};
 
+/// Arrays by their names. They may be shared with the solver: a checkpoint needs no copy of large ones.
+pub type Arrays = BTreeMap<String, Arc<Vec<f64>>>;
+
 /// The data for a restart. The solver defines the names; here they are stored bit by bit.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SolverState {
     /// Arrays, for instance the flow coefficients of the last slab. Names without `/`.
-    pub arrays: BTreeMap<String, Vec<f64>>,
+    pub arrays: Arrays,
     /// Counters, for instance the number of slabs done.
     pub integers: BTreeMap<String, i64>,
     /// Anything else. Texts without zero bytes.
@@ -35,7 +39,7 @@ pub(crate) fn read(parent: &Group) -> Result<SolverState> {
     let group = parent.group("state")?;
     let (arrays, integers, texts) = (group.group("arrays")?, group.group("integers")?, group.group("texts")?);
     Ok(SolverState {
-        arrays: named(arrays.member_names()?, |name| arrays.dataset(name)?.read_raw())?,
+        arrays: named(arrays.member_names()?, |name| Ok(Arc::new(arrays.dataset(name)?.read_raw()?)))?,
         integers: named(integers.attr_names()?, |name| read_integer(&integers, name))?,
         texts: named(texts.attr_names()?, |name| read_text(&texts, name))?,
     })

@@ -87,7 +87,7 @@ fn checkpoints_use_the_space_of_the_old_state_again() {
     let locked = RunDirectory::open(directory.path()).unwrap();
     let mut result = ResultFile::create(&locked, layout(), &metadata()).unwrap();
     let mut large = state(1);
-    large.arrays.insert("large".to_owned(), noise(7, 1 << 16));
+    large.arrays.insert("large".to_owned(), noise(7, 1 << 16).into());
     let mut size_after = |count| {
         (0..count).for_each(|_| result.checkpoint(&large).unwrap());
         fs::metadata(directory.path().join(RESULT_FILE)).unwrap().len()

@@ -4,11 +4,8 @@ use crate::error::Failure;
 use case::Time;
 use coupled::preconditioner::{Ordering, TimeScales};
 use coupled::{Interval, JacobianReusePolicy, Linearisation, Past, State};
-use output::SolverState;
-use std::collections::BTreeMap;
+use output::{Arrays, SolverState};
 use std::sync::Arc;
-
-type Arrays = BTreeMap<String, Vec<f64>>;
 
 /// `state`, and the linearisation of the preconditioner, as named arrays.
 pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> SolverState {
@@ -25,7 +22,15 @@ pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> Solv
     ];
     out.integers.extend(counters.map(|(name, value)| (name.to_string(), value as i64)));
     let pending = state.pending.iter().flat_map(numbers).collect();
-    let mut put = |name: &str, values: Vec<f64>| drop(out.arrays.insert(name.to_string(), values));
+    let mut share = |name: &str, values: Arc<Vec<f64>>| drop(out.arrays.insert(name.to_string(), values));
+    if let Some(past) = &state.past {
+        share("past.flow", past.u.clone());
+        share("past.mesh_velocity", past.v.clone());
+    }
+    if let Some(frozen) = frozen {
+        share("frozen.flow", frozen.state.clone());
+    }
+    let mut put = |name: &str, values: Vec<f64>| share(name, Arc::new(values));
     put("time", vec![state.time]);
     put("flow", state.u.clone());
     put("displacement", state.d.clone());
@@ -37,8 +42,6 @@ pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> Solv
     if let Some(past) = &state.past {
         put("past.interval", numbers(&past.interval).to_vec());
         put("past.displacement", past.bottom.clone());
-        put("past.flow", past.u.to_vec());
-        put("past.mesh_velocity", past.v.to_vec());
         past.bodies.iter().enumerate().for_each(|(body, z)| put(&format!("past.body.{body}"), z.clone()));
     }
     if let Some(frozen) = frozen {
@@ -47,7 +50,6 @@ pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> Solv
         put("frozen.coarse_level", vec![f64::from(u8::from(frozen.coarse_level))]);
         put("frozen.displacement", frozen.bottom.clone());
         put("frozen.mesh_velocity", frozen.velocities.clone());
-        put("frozen.flow", frozen.state.clone());
         put("frozen.cells", ordering.cells.iter().map(|&cell| cell as f64).collect());
         put("frozen.level_ends", ordering.level_ends.iter().map(|&end| end as f64).collect());
         put("frozen.stage_ends", ordering.stage_ends().into_iter().map(|end| end as f64).collect());
@@ -59,7 +61,7 @@ pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> Solv
 /// `None` if something is missing or parts do not fit together. The resumed run covers `time`.
 pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Linearisation>, bool)> {
     let integer = |name: &str| stored.integers.get(name).map(|&n| n as usize);
-    let array = |name: &str| stored.arrays.get(name).cloned();
+    let array = |name: &str| stored.arrays.get(name).map(|values| values.to_vec());
     let mut state = State {
         slab: integer("slab")?,
         nominal: integer("nominal")?,
@@ -125,28 +127,30 @@ fn interval(numbers: &[f64]) -> Interval {
 }
 
 fn past(arrays: &Arrays) -> Option<Past> {
-    let get = |name: &str| arrays.get(&format!("past.{name}")).cloned();
+    let shared = |name: &str| arrays.get(&format!("past.{name}")).cloned();
+    let get = |name: &str| shared(name).map(Arc::unwrap_or_clone);
     let interval = get("interval").filter(|numbers| numbers.len() == 3).map(|numbers| interval(&numbers))?;
     let dt = interval.end - interval.start;
     let bodies = bodies(arrays, "past.body");
-    let (u, v) = (Arc::new(get("flow")?), Arc::new(get("mesh_velocity")?));
+    let (u, v) = (shared("flow")?, shared("mesh_velocity")?);
     Some(Past { interval, dt, bottom: get("displacement")?, u, v, bodies })
 }
 
 /// The arrays `name`.0, `name`.1, ... as far as there are any.
 pub fn bodies(arrays: &Arrays, name: &str) -> Vec<Vec<f64>> {
-    (0..).map_while(|body| arrays.get(&format!("{name}.{body}")).cloned()).collect()
+    (0..).map_while(|body| arrays.get(&format!("{name}.{body}")).map(|values| values.to_vec())).collect()
 }
 
 fn frozen(arrays: &Arrays) -> Option<Linearisation> {
-    let get = |name: &str| arrays.get(&format!("frozen.{name}")).cloned();
+    let shared = |name: &str| arrays.get(&format!("frozen.{name}")).cloned();
+    let get = |name: &str| shared(name).map(Arc::unwrap_or_clone);
     let indices = |name: &str| get(name).map(|values| values.iter().map(|&x| x as usize).collect::<Vec<_>>());
     let &[start, dt, built_dt, damping] = &get("numbers")?[..] else { return None };
     Some(Linearisation {
         interval: (start, dt),
         bottom: get("displacement")?,
         velocities: get("mesh_velocity")?,
-        state: get("flow")?,
+        state: shared("flow")?,
         built_for: TimeScales { dt: built_dt, damping },
         ordering: ordering(&indices("cells")?, indices("level_ends")?, &indices("stage_ends")?)?,
         coarse_level: get("coarse_level")?.first() == Some(&1.0),
@@ -192,7 +196,7 @@ mod tests {
             interval: (0.1, 0.1),
             bottom: vec![6.0; 3],
             velocities: vec![7.0; 6],
-            state: vec![8.0; 8],
+            state: vec![8.0; 8].into(),
             built_for: TimeScales { dt: 0.1, damping: 0.0 },
             ordering: ordering(&[1, 0, 2], vec![2, 3], &[1, 3]).unwrap(),
             coarse_level: false,
@@ -216,7 +220,7 @@ mod tests {
         for name in stored().arrays.keys() {
             for change in 0..4 {
                 let mut damaged = stored();
-                let values = damaged.arrays.get_mut(name).unwrap();
+                let values = Arc::make_mut(damaged.arrays.get_mut(name).unwrap());
                 match change {
                     0 => drop(damaged.arrays.remove(name)),
                     1 => values.push(9.0),

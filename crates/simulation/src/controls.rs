@@ -33,7 +33,7 @@ pub fn values<const D: usize>(case: &Case<D>) -> Vec<f64> {
 }
 
 /// Gives every control its value, or without values the initial one.
-fn set<const D: usize>(case: &Case<D>, values: Option<&Vec<f64>>) {
+fn set<const D: usize>(case: &Case<D>, values: Option<&[f64]>) {
     let values = values.filter(|values| values.len() == case.controls.len());
     for (number, control) in case.controls.iter().enumerate() {
         control.value.set(values.map_or(control.initial, |values| values[number]));
@@ -99,7 +99,12 @@ pub fn update<const D: usize>(
 
 /// Sets the controls for which the preconditioner of the state `stored` was made, or the initial ones.
 pub fn set_for_preconditioner<const D: usize>(case: &Case<D>, stored: Option<&SolverState>) {
-    set(case, stored.and_then(|stored| stored.arrays.get(&format!("statistics.{OF_PRECONDITIONER}"))));
+    set(
+        case,
+        stored
+            .and_then(|stored| stored.arrays.get(&format!("statistics.{OF_PRECONDITIONER}")))
+            .map(|values| &values[..]),
+    );
 }
 
 /// Sets the controls to their present values, or to the initial ones.
@@ -110,7 +115,7 @@ pub fn set_present<const D: usize>(case: &Case<D>, statistics: &RunStatistics) {
 /// The values that the other ranks need before a slab; None without controls.
 pub fn told<const D: usize>(case: &Case<D>) -> Option<SolverState> {
     let mut state = SolverState::default();
-    state.arrays.insert(NOW.to_owned(), values(case));
+    state.arrays.insert(NOW.to_owned(), values(case).into());
     (!case.controls.is_empty()).then_some(state)
 }
 

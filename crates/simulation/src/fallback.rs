@@ -12,15 +12,14 @@ use coupled::FlowMarch;
 use elasticity::ElasticityError;
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, Manufactured, NavierStokes};
-use output::SolverState;
+use output::{Arrays, SolverState};
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 
 /// The array of a checkpoint with the time from which the flow is in a split form.
 pub const SINCE: &str = "statistics.split_form_since";
 
 /// The time from which the flow of a checkpoint is in a split form.
-pub fn since(arrays: &BTreeMap<String, Vec<f64>>) -> Option<f64> {
+pub fn since(arrays: &Arrays) -> Option<f64> {
     arrays.get(SINCE)?.first().copied()
 }
 
@@ -36,7 +35,7 @@ pub fn in_split_form(mut stored: SolverState) -> SolverState {
     // The whole slab is tried again; the carried determinants and the preconditioner were those of another quadrature.
     let goes = |name: &str| name.starts_with("frozen.") || ["failed", "determinants"].contains(&name);
     stored.arrays.retain(|name, _| !goes(name));
-    stored.arrays.insert("pending".into(), Vec::new());
+    stored.arrays.insert("pending".into(), Vec::new().into());
     stored.integers.insert("stale".into(), 1);
     stored
 }

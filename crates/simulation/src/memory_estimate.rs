@@ -19,9 +19,9 @@ pub fn typical_iterations<const D: usize>(case: &Case<D>) -> usize {
 /// where it was measured.
 pub const PROGRAM_BYTES: usize = 37_000_000;
 
-/// The number of vectors as long as the unknowns of the flow in a slab, without those of the linear solver: states, residuals and
-/// increments of Newton's method, traces of the operator.
-const VECTORS: usize = 23;
+/// The number of vectors as long as the unknowns of the flow in a slab, without those of the linear solver and of the operator: states,
+/// residuals, increments and weights of Newton's method, the slab before, data for checkpoints.
+const VECTORS: usize = 12;
 
 /// The same for the unknowns of an elastic mesh, in addition to every mesh.
 const VECTORS_OF_MESH: usize = 6;
@@ -77,7 +77,7 @@ impl MemoryEstimate {
         let of_bodies = !case.bodies.is_empty() || case.structure.is_some();
         let vector = if of_bodies { 8 } else { 4 } * (flow + mesh);
         let restart = case.solver.krylov_restart.min(case.solver.krylov_iterations);
-        let newton = 8 * (flow * VECTORS + mesh * VECTORS_OF_MESH);
+        let newton = 8 * (flow * VECTORS + operator_vectors(case) + mesh * VECTORS_OF_MESH);
         let vectors = newton + vector * krylov_vectors(restart.min(typical_iterations(case)));
         let time_order = case.time.order;
         let (jacobian, factors_of_slab) = match case.preconditioner() {
@@ -148,6 +148,14 @@ fn averages<const D: usize>(case: &Case<D>) -> usize {
     let (Some(averages), Some(flow)) = (&case.averages, &case.flow) else { return 0 };
     let (moments, phases) = (Moments::new::<D>(&averages.fields), averages.phases.map_or(1, |phases| phases.count));
     8 * case.mesh.n_cells() * flow.order.pow(D as u32) * (phases * moments.len() + moments.quantities.len())
+}
+
+/// Numbers of the operator of the flow: the state, the derivatives of state and direction on faces, and the terms of both sides of facets. A
+/// face has 1 / N of the unknowns of its cell. Flows without viscosity have no derivatives, and half of the terms.
+fn operator_vectors<const D: usize>(case: &Case<D>) -> usize {
+    let Some(flow) = &case.flow else { return 0 };
+    let on_faces = if is_viscous(flow) { 4 } else { 1 };
+    case.flow_unknowns() * (flow.order + on_faces * 2 * D) / flow.order
 }
 
 fn is_viscous<const D: usize>(flow: &case::Flow<D>) -> bool {

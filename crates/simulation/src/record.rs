@@ -139,7 +139,7 @@ fn history_after(
     session: &Session<'_>,
     columns: &[String],
 ) -> Result<History, OutputError> {
-    let rows = before.and_then(|before| before.arrays.get("history")).map_or(&[][..], Vec::as_slice);
+    let rows = before.and_then(|before| before.arrays.get("history")).map_or(&[][..], |rows| &rows[..]);
     History::create(&session.directory, columns, rows)
 }
 
@@ -280,7 +280,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     pub fn checkpoint(&mut self, mut state: SolverState, statistics: &RunStatistics) -> Result<(), Failure> {
         let _timed = tracing::trace_span!(target: "cost", "output").entered();
         state.arrays.extend(statistics.to_arrays());
-        state.arrays.insert("history".into(), self.history.rows().to_vec());
+        state.arrays.insert("history".into(), self.history.rows().to_vec().into());
         self.slabs_since_checkpoint = 0;
         Ok(self.result.checkpoint(&state)?)
     }

@@ -11,12 +11,9 @@ use coupled::{Linearisation, MeshMotion, MeshMover, State};
 use fem::{Layout, Orders};
 use mesh::{Mesh, NodeNumbering};
 use navier_stokes::Conserved;
-use output::{RESULT_FILE, RestMesh, ResultReader, SolverState};
-use std::collections::BTreeMap;
+use output::{Arrays, RESULT_FILE, RestMesh, ResultReader, SolverState};
 use std::path::PathBuf;
 use std::sync::Arc;
-
-type Arrays = BTreeMap<String, Vec<f64>>;
 
 /// The remedy if the gas differs.
 const ALLOW: &str = "; `restart.allow = [\"viscosity\"]`, or \"mach\", if it is to change";
@@ -308,7 +305,7 @@ impl Origin {
 
     /// The sums and the history of the run, if `case` has the same walls.
     fn sums<const D: usize>(&self, case: &Case<D>, flow: &Flow<D>) -> Result<Arrays, RestartError> {
-        let len = |name: &str| self.stored.arrays.get(name).map_or(0, Vec::len);
+        let len = |name: &str| self.stored.arrays.get(name).map_or(0, |values| values.len());
         // Empty if nothing has been solved yet.
         let walls = len("statistics.forces") / numbers_per_wall(D);
         let has_begun = len("statistics.forces") + len("statistics.left") > 0;

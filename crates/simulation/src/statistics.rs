@@ -8,8 +8,8 @@ use super::walls::{WallLoads, numbers_per_wall, to_numbers};
 use coupled::block::BodyState;
 use coupled::{EasedStart, MeshQuality, Reliability, SlabReport, Stability, SteadyFlow, StructureReport};
 use navier_stokes::Conserved;
+use output::Arrays;
 use std::array::from_fn;
-use std::collections::BTreeMap;
 
 /// The statistics of a run so far.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -262,7 +262,7 @@ impl RunStatistics {
     }
 
     /// As named numbers.
-    pub fn to_arrays(&self) -> BTreeMap<String, Vec<f64>> {
+    pub fn to_arrays(&self) -> Arrays {
         let counts = [
             self.rejected,
             self.newton,
@@ -276,8 +276,8 @@ impl RunStatistics {
         let quality = self
             .quality
             .map_or(Vec::new(), |q| vec![q.lower_bound, q.sampled_min, q.scaled_jacobian, q.cell as f64, q.time]);
-        let sums = BTreeMap::from([
-            ("statistics.counts".into(), counts.map(|n| n as f64).to_vec()),
+        let sums = [
+            (String::from("statistics.counts"), counts.map(|n| n as f64).to_vec()),
             ("statistics.quality".into(), quality),
             (
                 "statistics.first_invalid".into(),
@@ -305,18 +305,18 @@ impl RunStatistics {
             }),
             ("statistics.mass_flows".into(), self.mass_flows.clone()),
             ("statistics.openings".into(), self.openings.iter().flat_map(|record| record.to_numbers()).collect()),
-        ]);
-        sums.into_iter().chain(self.averages.to_arrays()).collect()
+        ];
+        sums.into_iter().map(|(name, values)| (name, values.into())).chain(self.averages.to_arrays()).collect()
     }
 
     /// Back from named numbers, for a run with a number of `walls`; `None` if some are missing.
-    pub fn from_arrays(arrays: &BTreeMap<String, Vec<f64>>, walls: usize) -> Option<Self> {
-        let get = |name: &str| arrays.get(&format!("statistics.{name}"));
-        let &[rejected, newton, newton_max, krylov, krylov_max, elasticity, residuals, products] = &get("counts")?[..]
+    pub fn from_arrays(arrays: &Arrays, walls: usize) -> Option<Self> {
+        let get = |name: &str| arrays.get(&format!("statistics.{name}")).map(|values| &values[..]);
+        let &[rejected, newton, newton_max, krylov, krylov_max, elasticity, residuals, products] = get("counts")?
         else {
             return None;
         };
-        let &[energy_at_start, load_work, support_work, dissipation] = &get("structure")?[..] else { return None };
+        let &[energy_at_start, load_work, support_work, dissipation] = get("structure")? else { return None };
         Some(RunStatistics {
             rejected: rejected as u64,
             newton: newton as u64,
@@ -332,22 +332,22 @@ impl RunStatistics {
                 _ => None,
             },
             first_invalid_sampled: get("first_invalid_sampled")?.first().copied(),
-            totals_at_start: get("totals_at_start")?.clone(),
+            totals_at_start: get("totals_at_start")?.to_vec(),
             start_layer: get("start_layer").and_then(|layer| layer.first().copied()),
             split_form_since: fallback::since(arrays),
-            left: get("left")?.clone(),
+            left: get("left")?.to_vec(),
             impulses: by_wall(get("impulses")?, walls),
             forces: by_wall(get("forces")?, walls),
-            steady: to_steady(get("steady")?, get("reliability").map_or(&[][..], Vec::as_slice), walls),
+            steady: to_steady(get("steady")?, get("reliability").unwrap_or_default(), walls),
             mass_error: *get("errors")?.first()?,
             energy_error: *get("errors")?.get(1)?,
             coupled_energy_error: *get("errors")?.get(2)?,
             bodies: BodyRecord::read_all(get("bodies")?)?,
             structure: EnergyBalance { energy_at_start, load_work, support_work, dissipation },
-            mass_flows: get("mass_flows")?.clone(),
+            mass_flows: get("mass_flows")?.to_vec(),
             openings: get("openings")?.as_chunks().0.iter().map(Record::from_numbers).collect::<Option<_>>()?,
-            controls: get("controls").cloned().unwrap_or_default(),
-            controls_of_preconditioner: get("controls_of_preconditioner").cloned().unwrap_or_default(),
+            controls: get("controls").unwrap_or_default().to_vec(),
+            controls_of_preconditioner: get("controls_of_preconditioner").unwrap_or_default().to_vec(),
             averages: AverageSums::from_arrays(arrays)?,
         })
     }

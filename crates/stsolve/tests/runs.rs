@@ -297,7 +297,7 @@ fn differences_in_place_of_duals_lead_to_the_same_answer() {
         output::read_checkpoint(&path).unwrap().1.arrays["flow"].clone()
     };
     let (one, other) = (flow("vortex"), flow("differences"));
-    let largest = one.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let largest = one.iter().zip(other.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(largest > 0.0 && largest < 1e-7, "{largest:e}");
 }
 

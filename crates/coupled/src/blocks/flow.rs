@@ -130,6 +130,16 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
         });
     }
 
+    /// The rows of the effect of the mesh last taken, if it serves several products and nobody has judged it yet.
+    pub(crate) fn unjudged_effect(&self) -> Option<&[f64]> {
+        self.effect_of_mesh.unjudged().map(|effect| &effect.residual[..])
+    }
+
+    /// Notes whether the effect of the mesh is small: then later Newton steps use it too. Returns true if it must be taken anew.
+    pub(crate) fn judge_effect(&mut self, is_small: bool) -> bool {
+        self.effect_of_mesh.judge(is_small)
+    }
+
     /// The derivative along the state alone; that along the mesh, known already, is added.
     fn product_beside_mesh(&mut self, x: &[f64], tangent: &mut Exchange, out: &mut [f64]) {
         self.counts.products += 1;
@@ -205,7 +215,7 @@ impl<const D: usize, const M: usize> Block for FlowBlock<D, M> {
         self.set_mesh(exchange);
         self.operator.linearise(u);
         self.inverse_pseudo_time = inverse_pseudo_time;
-        self.effect_of_mesh.forget();
+        self.effect_of_mesh.grow_old();
     }
 
     fn product(&mut self, x: &[f64], tangent: &mut Exchange, out: &mut [f64]) {

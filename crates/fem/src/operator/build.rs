@@ -104,11 +104,12 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let layout = Layout { cells: own, time_order: orders.time, components: M, nodes: orders.flow.pow(D as u32) };
         let facets = FacetBatches::new(mesh, orders.flow, orders.mesh);
         let moving = MovingMesh::new(mesh, numbering, orders.time);
-        let flow_traces = trace_layout::<D>(orders.time, M, orders.flow);
-        let mesh_traces = trace_layout::<D>(orders.time + 1, D, orders.mesh);
+        let viscous = problem.kernels.is_viscous();
+        let flow_traces = TraceLayout::new::<D>(if viscous { 2 } else { 1 }, [orders.time, M], orders.flow);
+        let mesh_traces = TraceLayout::new::<D>(2, [orders.time + 1, D], orders.mesh);
         let (traced, batches) = if solves { (cells, facets.batches.len()) } else { (0, 0) };
         let terms = batches * WIDTH * 2 * flow_traces.face_len();
-        let viscous = problem.kernels.is_viscous();
+        let ghosts = if solves { cells - own } else { 0 };
         let mut operator = SlabOperator {
             flow_faces: FaceMaps::new(&tables.flow, D),
             mesh_faces: FaceMaps::new(&tables.mesh, D),
@@ -121,11 +122,14 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             positions_and_top: Matrix::identity(0),
             bottom_values: tables.time.values(0.0),
             bottom_mass_product: vec![0.0; layout.at_one_time().len()],
+            state: Vec::new(),
             state_traces: Traces::new(flow_traces, traced),
+            direction_of_ghosts: vec![0.0; ghosts * layout.cell_len()],
             direction_traces: Traces::new(flow_traces, traced),
-            mesh_traces: MeshTraces::new(mesh_traces, traced, batches),
+            mesh_traces: MeshTraces::new(mesh_traces, batches),
             mesh_direction: moving.direction(traced),
-            mesh_direction_traces: MeshTraces::new(mesh_traces, traced, batches),
+            mesh_direction_traces: MeshTraces::new(mesh_traces, batches),
+            mesh_derivatives: Traces::new(mesh_traces, traced),
             terms: vec![0.0; terms],
             geometry: SlabGeometry::new(&tables, viscous, [own, batches], solves),
             cells: PerThread::new(|| CellScratch::new::<D, M>(&tables)),
@@ -133,7 +137,6 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             wall_loads: NodalLoads::unloaded(batches),
             share: Arc::new(share),
             boundary_facets,
-            with_ghosts: Vec::new(),
             problem,
             mesh: moving,
             facets,
@@ -143,8 +146,4 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         operator.set_bottom_determinants(&[]);
         operator
     }
-}
-
-fn trace_layout<const D: usize>(slots: usize, components: usize, order: usize) -> TraceLayout {
-    TraceLayout { faces: 2 * D, slots, components, nodes: order.pow(D as u32), face_nodes: order.pow(D as u32 - 1) }
 }

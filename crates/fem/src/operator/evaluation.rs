@@ -4,30 +4,35 @@ use super::SlabOperator;
 use crate::batches::{BATCHES_PER_TASK, FacetBatch, cells_of};
 use crate::cell::{CellCoefficients, CellContext};
 use crate::facet::{Across, DataAt, FacetContext};
-use crate::gather::{gather, scatter};
+use crate::gather::{gather, gather_cells, scatter};
 use crate::kernels::{Differentiate, Times};
 use crate::mesh_traces::MeshTraces;
 use crate::prescribed::Prescribed;
 use crate::scratch::{CellScratch, FacetScratch};
 use crate::time_points::InTime;
-use crate::traces::Traces;
+use crate::traces::Traced;
 use crate::wall_loads::scatter_loads;
+use mesh::Side;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use tensor::{Pack, WIDTH};
 
+/// What an evaluation differentiates, with the direction of the state in own cells.
+type Direction<'a> = (Differentiate, &'a [f64]);
+
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Facets, then cells: the terms of every facet are computed once and read by both its cells. Returns the first cell, in the order
-    /// of the whole mesh, with a NaN in its result: violations are passed on as NaN, and arithmetic may produce it.
-    pub(super) fn run(&mut self, along: Differentiate, out: &mut [f64]) -> Option<usize> {
+    /// of the whole mesh, with a NaN in its result: violations are passed on as NaN, and arithmetic may produce it. The `direction` of the
+    /// state in own cells has its traces already; without a derivative there is none.
+    pub(super) fn run(&mut self, along: Differentiate, direction: &[f64], out: &mut [f64]) -> Option<usize> {
         let (mut terms, mut loads) = (std::mem::take(&mut self.terms), std::mem::take(&mut self.wall_loads.terms));
-        self.all_facets(along, &mut terms, &mut loads);
+        self.all_facets(along, direction, &mut terms, &mut loads);
         self.wall_loads.terms = loads;
         self.sum_loads();
         let (cell_len, first) = (self.layout.cell_len(), AtomicUsize::new(usize::MAX));
         let cells = out.par_chunks_mut(WIDTH * cell_len).enumerate();
         cells.with_max_len(BATCHES_PER_TASK).for_each(|(batch, out)| {
-            self.cells.with(|scratch| self.cell_batch(along, batch, scratch, &terms, out));
+            self.cells.with(|scratch| self.cell_batch((along, direction), batch, scratch, &terms, out));
             for (lane, out) in out.chunks_exact(cell_len).enumerate() {
                 if !sums_to_a_number(out) {
                     first.fetch_min(self.share.own[batch * WIDTH + lane], Ordering::Relaxed);
@@ -43,22 +48,24 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     /// The terms of all facets. Directions of ghosts arrive while facets between own cells are computed.
-    fn all_facets(&mut self, along: Differentiate, terms: &mut [f64], loads: &mut [Vec<f64>]) {
+    fn all_facets(&mut self, along: Differentiate, direction: &[f64], terms: &mut [f64], loads: &mut [Vec<f64>]) {
+        let by = (along, direction);
         if along == Differentiate::Nothing || !self.share.has_cuts() {
-            return self.facets(along, |_| true, terms, loads);
+            return self.facets(by, |_| true, terms, loads);
         }
-        let (viscous, own) = (self.problem.kernels.is_viscous(), self.layout.cells);
-        let mut messages = self.share.trace_messages(&self.direction_traces, viscous);
+        let (own, lattice) = (self.layout.cells, &self.facets.permutations[0]);
+        let [_, traced] = self.states(direction);
+        let mut messages = self.share.trace_messages(traced, lattice);
         let is_inner = |batch: &FacetBatch| batch.sides_of_all().all(|side| side.cell < own);
-        self.share.exchange_while(&mut messages, &mut || self.facets(along, is_inner, terms, loads));
-        self.share.put_traces(&messages, viscous, &mut self.direction_traces);
-        self.facets(along, |batch| !is_inner(batch), terms, loads);
+        self.share.exchange_while(&mut messages, &mut || self.facets(by, is_inner, terms, loads));
+        self.share.put_traces(&messages, lattice, &mut self.direction_of_ghosts, &mut self.direction_traces);
+        self.facets(by, |batch| !is_inner(batch), terms, loads);
     }
 
     /// The terms of the batches of facets that are `wanted`.
     fn facets(
         &self,
-        along: Differentiate,
+        by: Direction,
         wanted: impl Fn(&FacetBatch) -> bool + Sync,
         terms: &mut [f64],
         loads: &mut [Vec<f64>],
@@ -67,26 +74,25 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let facets = terms.par_chunks_mut(WIDTH * facet_len).zip(loads).zip(&self.facets.batches);
         let wanted = facets.with_max_len(BATCHES_PER_TASK).filter(|(_, batch)| wanted(batch));
         wanted.for_each(|((terms, loads), batch)| {
-            self.facet_scratch.with(|scratch| self.facet_batch(along, batch, scratch, terms, loads));
+            self.facet_scratch.with(|scratch| self.facet_batch(by, batch, scratch, terms, loads));
         });
     }
 
     /// The facet terms of one batch, `[facet][side][kind][a][m][face node]`, every side in its own lattice.
     fn facet_batch(
         &self,
-        along: Differentiate,
+        (along, direction): Direction,
         batch: &FacetBatch,
         scratch: &mut FacetScratch,
         terms: &mut [f64],
         loads: &mut [f64],
     ) {
-        let viscous = self.problem.kernels.is_viscous();
-        let Some(along) = self.changed_on_facets(along, batch) else {
+        let states = self.states(direction);
+        let Some(along) = self.changed_on_facets(along, states[1], batch) else {
             terms.fill(0.0);
             return loads.fill(0.0);
         };
-        let state = &self.state_and_direction()[..along.state_blocks()];
-        self.gather_states(along, state, batch, scratch);
+        self.gather_states(along, &states[..along.state_blocks()], batch, scratch);
         let geometry = self.facet_geometry(along, batch);
         if geometry.is_none() || batch.boundary.is_some() {
             self.gather_mesh(along, batch, scratch);
@@ -97,7 +103,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         self.facet_kernel(along, batch, &times, geometry, scratch);
         scatter_loads(&scratch.loads, loads);
         scratch.with_loads = false;
-        self.scatter_terms(batch, scratch, viscous, terms);
+        self.scatter_terms(batch, scratch, terms);
     }
 
     /// The map from time nodes and slots to the Gauss points in time.
@@ -146,15 +152,15 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Volume terms and facet terms of one batch of cells.
     fn cell_batch(
         &self,
-        along: Differentiate,
+        (along, direction): Direction,
         batch: usize,
         scratch: &mut CellScratch,
         terms: &[f64],
         out: &mut [f64],
     ) {
         let cell_len = self.layout.cell_len();
-        match self.changed_in_cells(along, batch) {
-            Some(along) => self.volume_terms(along, batch, scratch),
+        match self.changed_in_cells(along, direction, batch) {
+            Some(along) => self.volume_terms((along, direction), batch, scratch),
             None => {
                 scratch.residual.fill(Pack::ZERO);
                 scratch.violated = Pack::ZERO;
@@ -173,10 +179,18 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     /// The volume terms of one batch of cells.
-    fn volume_terms(&self, along: Differentiate, batch: usize, scratch: &mut CellScratch) {
-        let state = self.state_and_direction().map(|traces| traces.coefficients(batch));
-        let mesh = self.mesh_and_direction().map(|traces| traces.coefficients(batch));
-        let (state, mesh) = (&state[..along.state_blocks()], &mesh[..along.geometry_blocks()]);
+    fn volume_terms(&self, (along, direction): Direction, batch: usize, scratch: &mut CellScratch) {
+        let (state_blocks, geometry_blocks) = (along.state_blocks(), along.geometry_blocks());
+        let geometry = self.geometry.of_cells(batch).filter(|_| geometry_blocks == 1);
+        let mut packs = std::mem::take(&mut scratch.coefficients);
+        let cells = cells_of(batch, self.layout.cells);
+        gather_cells(&[&self.state, direction][..state_blocks], cells, &mut packs.state);
+        if geometry.is_none() || self.problem.source.is_some() {
+            let meshes = [&self.mesh.data[..], &self.mesh_direction.data];
+            gather_cells(&meshes[..geometry_blocks], cells, &mut packs.mesh);
+        }
+        let [state, mesh] = packs.blocks();
+        let (state, mesh) = (&state[..state_blocks], &mesh[..geometry_blocks]);
         let fill = |time: f64, points: usize, x: &[Pack], data: &mut [Pack]| {
             if let Some(field) = self.problem.source.as_deref() {
                 let origins = cells_of(batch, self.layout.cells).map(|cell| self.mesh.origin(cell));
@@ -189,54 +203,65 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             clock: self.clock,
             positions: &self.positions_and_top,
             source: self.problem.source.is_some().then_some(&fill),
-            geometry: self.geometry.of_cells(batch).filter(|_| mesh.len() == 1),
+            geometry,
         };
-        if mesh.len() == 2 {
-            self.differentiate_geometry(batch, scratch);
+        if let [_, _] = mesh {
+            self.differentiate_geometry(batch, mesh, scratch);
         }
         self.problem.kernels.slab_cells(along, &context, CellCoefficients { state, mesh }, scratch);
+        scratch.coefficients = packs;
     }
 
     /// What changes in a batch of cells.
-    fn changed_in_cells(&self, along: Differentiate, batch: usize) -> Option<Differentiate> {
-        let changes = |packs: &[Pack]| packs.iter().any(|pack| *pack != Pack::ZERO);
+    fn changed_in_cells(&self, along: Differentiate, direction: &[f64], batch: usize) -> Option<Differentiate> {
+        let cells = batch * WIDTH..((batch + 1) * WIDTH).min(self.layout.cells);
+        let changes = |coefficients: &[f64], len: usize| {
+            coefficients[cells.start * len..cells.end * len].iter().any(|value| *value != 0.0)
+        };
         along.restricted(
-            || changes(self.mesh_direction_traces.coefficients(batch)),
-            || changes(self.direction_traces.coefficients(batch)),
+            || changes(&self.mesh_direction.data, self.mesh.cell_len()),
+            || changes(direction, self.layout.cell_len()),
         )
     }
 
     /// What changes on a batch of facets.
-    fn changed_on_facets(&self, along: Differentiate, batch: &FacetBatch) -> Option<Differentiate> {
-        let of_side = |side: usize| batch.ends(side).into_iter().flat_map(|end| [0, 1].map(|kind| (end, kind)));
-        let mut ends = (0..batch.sides()).flat_map(of_side);
+    fn changed_on_facets(&self, along: Differentiate, direction: Traced, batch: &FacetBatch) -> Option<Differentiate> {
+        let nodes = &self.facets.permutations[0].flow_of_cell;
+        let changes = |end: Side| {
+            direction.values_on(end.cell, &nodes[end.face]).any(|value| value != 0.0)
+                || direction.traces.derivatives_on(end).iter().any(|value| *value != 0.0)
+        };
         along.restricted(
             || self.mesh_direction_traces.change_on_facets(batch.number),
-            || ends.any(|(end, kind)| self.direction_traces.of(end.cell, end.face, kind).iter().any(|x| *x != 0.0)),
+            || batch.sides_of_all().any(changes),
         )
     }
 
-    fn state_and_direction(&self) -> [&Traces; 2] {
-        [&self.state_traces, &self.direction_traces]
+    /// The state, and a direction of it in own cells.
+    fn states<'a>(&'a self, direction: &'a [f64]) -> [Traced<'a>; 2] {
+        let ghosts = &self.direction_of_ghosts;
+        [self.traced_state(), Traced { coefficients: direction, ghosts, traces: &self.direction_traces }]
     }
+
+    /// The mesh, and its direction.
     pub(crate) fn mesh_and_direction(&self) -> [&MeshTraces; 2] {
         [&self.mesh_traces, &self.mesh_direction_traces]
     }
 
     /// Adds the terms of the facets of a batch of cells to its residual.
     fn lift(&self, cells: [usize; WIDTH], terms: &[f64], scratch: &mut CellScratch) {
-        let (layout, viscous) = (self.state_traces.layout, self.problem.kernels.is_viscous());
-        let len = if viscous { layout.face_len() } else { layout.kind_len() };
-        for (face, packs) in scratch.face_terms.chunks_exact_mut(layout.face_len()).enumerate() {
+        let layout = self.state_traces.layout;
+        let len = layout.face_len();
+        for (face, packs) in scratch.face_terms.chunks_exact_mut(len).enumerate().take(2 * D) {
             let of_cell = |cell: usize| {
                 let (slot, side) = self.facets.of_face[cell * 2 * D + face];
-                let start = (2 * slot as usize + side as usize) * layout.face_len();
+                let start = (2 * slot as usize + side as usize) * len;
                 &terms[start..start + len]
             };
-            gather(cells.map(of_cell), &mut packs[..len]);
+            gather(cells.map(of_cell), packs);
         }
         let tensors = layout.slots * layout.components;
-        self.flow_faces.lift(tensors, &scratch.face_terms, viscous, &mut scratch.residual);
+        self.flow_faces.lift(tensors, &scratch.face_terms, layout.kinds, &mut scratch.residual);
     }
 
     /// - phi_a(0) int_K psi u_n J at t_n.

@@ -1,8 +1,8 @@
 //! What ranks send each other of a flow. Every call is collective.
 
 use super::{Cut, Share};
-use crate::traces::Traces;
-use mesh::Side;
+use crate::batches::Permutation;
+use crate::traces::{Traced, Traces};
 use std::ops::Range;
 
 /// At most as many numbers of a rank travel at a time when parts are joined: 32 MB.
@@ -20,9 +20,16 @@ impl Share {
         !self.cuts.is_empty()
     }
 
-    /// The traces of own faces at the cuts, kind 0 and, if `both`, kind 1.
-    pub(crate) fn trace_messages(&self, traces: &Traces, both: bool) -> TraceMessages {
-        let of_faces = |cut: &Cut| cut.own.iter().flat_map(|side| traces.on_face(*side, both)).copied().collect();
+    /// The traces of own faces at the cuts: for each face the values in its own `lattice`, and the derivatives, if the layout has any.
+    pub(crate) fn trace_messages(&self, traced: Traced, lattice: &Permutation) -> TraceMessages {
+        let of_faces = |cut: &Cut| {
+            let mut numbers = Vec::with_capacity(cut.own.len() * traced.traces.layout.face_len());
+            for side in &cut.own {
+                numbers.extend(traced.values_on(side.cell, &lattice.flow_of_cell[side.face]));
+                numbers.extend(traced.traces.derivatives_on(*side));
+            }
+            numbers
+        };
         let sent: Vec<Vec<f64>> = self.cuts.iter().map(of_faces).collect();
         let received = sent.iter().map(|numbers| vec![0.0; numbers.len()]).collect();
         TraceMessages { sent, received }
@@ -37,25 +44,38 @@ impl Share {
         self.sums.communicator().exchange_while(&sends, &mut receives, work);
     }
 
-    /// Puts the traces that were received on the faces of ghosts.
-    pub(crate) fn put_traces(&self, messages: &TraceMessages, both: bool, traces: &mut Traces) {
+    /// Puts the traces that were received on the faces of ghosts: the values to the nodes of the faces in the `coefficients` of ghosts, the
+    /// derivatives to `traces`.
+    pub(crate) fn put_traces(
+        &self,
+        messages: &TraceMessages,
+        lattice: &Permutation,
+        coefficients: &mut [f64],
+        traces: &mut Traces,
+    ) {
+        let layout = traces.layout;
         for (cut, numbers) in self.cuts.iter().zip(&messages.received) {
-            let len = numbers.len() / cut.ghosts.len();
-            let put = |(side, numbers): (&Side, &[f64])| traces.on_face_mut(*side, both).copy_from_slice(numbers);
-            cut.ghosts.iter().zip(numbers.chunks_exact(len)).for_each(put);
+            for (side, numbers) in cut.ghosts.iter().zip(numbers.chunks_exact(layout.face_len())) {
+                let (values, derivatives) = numbers.split_at(layout.kind_len());
+                let ghost = &mut coefficients[(side.cell - self.own.len()) * layout.coefficients()..];
+                for (tensor, values) in ghost.chunks_exact_mut(layout.nodes).zip(values.chunks_exact(layout.face_nodes))
+                {
+                    let nodes = lattice.flow_of_cell[side.face].iter();
+                    nodes.zip(values).for_each(|(&node, value)| tensor[node] = *value);
+                }
+                traces.derivatives_on_mut(*side).copy_from_slice(derivatives);
+            }
         }
     }
 
-    /// `of_own`, `len` numbers for every own cell, and after them those of the ghosts, from their owners.
-    pub fn with_ghosts<'a>(&self, of_own: &'a [f64], len: usize, room: &'a mut Vec<f64>) -> &'a [f64] {
-        if self.ghosts.is_empty() && self.sends.is_empty() {
-            return of_own;
-        }
-        room.resize((self.own.len() + self.ghosts.len()) * len, 0.0);
-        let (own, ghosts) = room.split_at_mut(of_own.len());
+    /// Fills `all` with `of_own`, `len` numbers for every own cell, and after them those of the ghosts, from their owners.
+    pub fn with_ghosts(&self, of_own: &[f64], len: usize, all: &mut Vec<f64>) {
+        all.resize((self.own.len() + self.ghosts.len()) * len, 0.0);
+        let (own, ghosts) = all.split_at_mut(of_own.len());
         own.copy_from_slice(of_own);
-        self.exchange(of_own, len, ghosts);
-        room
+        if !(self.ghosts.is_empty() && self.sends.is_empty()) {
+            self.exchange(of_own, len, ghosts);
+        }
     }
 
     /// Fills `ghosts` with `len` numbers for every ghost.

@@ -97,7 +97,6 @@ fn updates_are_those_of_their_names() {
     let last = (LENGTH - 1) as f64;
     assert_eq!(after(&|y| axpy(3.0, &x, y)), (5.0, 2.0 + 3.0 * last));
     assert_eq!(after(&|y| xpay(&x, 3.0, y)), (7.0, last + 6.0));
-    assert_eq!(after(&|y| scaled_copy(3.0, &x, y)), (3.0, 3.0 * last));
     assert_eq!(after(&|y| copy(&x, y)), (1.0, last));
     assert_eq!(after(&|y| scale(3.0, y)), (6.0, 6.0));
     assert_eq!(after(&|y| add_combination(&[1.0, 2.0], &[x.clone(), x.clone()], y)), (5.0, 2.0 + 3.0 * last));

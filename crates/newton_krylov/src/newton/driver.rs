@@ -3,7 +3,7 @@
 use super::tolerances::Tolerances;
 use super::{Convergence, Error, Report, Settings, ShortSteps, StepReport, Workspace, log};
 use crate::forcing::Previous;
-use crate::inner_product::{InnerProduct, axpy, copy, scaled_copy};
+use crate::inner_product::{InnerProduct, axpy, copy, scale};
 use crate::operator::LinearSystem;
 use crate::problem::{Inadmissible, NonlinearProblem};
 use crate::pseudo_time::PseudoTime;
@@ -180,18 +180,17 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         Ok(Attempt { linear, search })
     }
 
-    /// (newton-step): dz, starting from the problem's guess.
+    /// (newton-step): dz, starting from the problem's guess. The system is solved for -dz, whose right side R is at hand.
     fn solve_linear(&mut self, forcing: f64) -> Result<fgmres::Report, fgmres::Error> {
         let w = &mut *self.workspace;
-        let right_side = &mut w.trial_residual;
-        scaled_copy(-1.0, &w.residual, right_side);
-        self.problem.guess_increment(right_side, &mut w.increment);
+        self.problem.guess_increment(&w.residual, &mut w.increment);
         // eta |R|, even if the guess has reduced the residual already.
         let norm = self.report.final_norm();
         let absolute_tolerance = forcing * norm;
         let settings = fgmres::Settings { relative_tolerance: 0.0, absolute_tolerance, ..self.settings.krylov };
         let mut system = Linearised { problem: &mut *self.problem, damped: self.pseudo_time.is_active() };
-        let result = fgmres::solve(&mut system, right_side, &mut w.increment, &settings, &mut w.krylov);
+        let result = fgmres::solve(&mut system, &w.residual, &mut w.increment, &settings, &mut w.krylov);
+        scale(-1.0, &mut w.increment);
         let report = *result.as_ref().unwrap_or_else(fgmres::Error::report);
         self.report.krylov_iterations += report.iterations;
         self.report.jacobian_products += report.products;
@@ -212,16 +211,16 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         let problem = RefCell::new(problem);
         let round_off = || tolerances.floor(|| problem.borrow_mut().round_off(z));
         let merit_norm = |a: f64| {
-            let trial = w.krylov.spare(z.len());
+            let [trial, residual] = w.krylov.spares(z.len());
             copy(z, trial);
             axpy(a, &w.increment, trial);
             *evaluations += 1;
             let mut problem = problem.borrow_mut();
-            problem.residual(trial, &mut w.trial_residual)?;
+            problem.residual(trial, residual)?;
             if !damped {
-                return Ok(problem.merit(&w.trial_residual));
+                return Ok(problem.merit(residual));
             }
-            copy(&w.trial_residual, &mut w.merit);
+            copy(residual, &mut w.merit);
             axpy(a, &w.pseudo_term, &mut w.merit);
             Ok(problem.merit(&w.merit))
         };
@@ -231,8 +230,9 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
     /// Moves to the state in the workspace.
     fn accept(&mut self, z: &mut [f64], forcing: f64, rejections: usize, attempt: &Attempt) -> Result<(), Error> {
         let w = &mut *self.workspace;
-        copy(w.krylov.spare(z.len()), z);
-        std::mem::swap(&mut w.residual, &mut w.trial_residual);
+        let [trial, residual] = w.krylov.spares(z.len());
+        copy(trial, z);
+        std::mem::swap(&mut w.residual, residual);
         self.tolerances.forget_rounding();
         let (residual_norm, field_norms) = norms(self.problem, &w.residual);
         let step = StepReport {

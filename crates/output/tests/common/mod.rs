@@ -49,9 +49,9 @@ pub fn noise(seed: u64, count: usize) -> Vec<f64> {
 pub fn state(slab: u64) -> SolverState {
     SolverState {
         arrays: BTreeMap::from([
-            ("flow".to_owned(), noise(1000 + slab, 700)),
-            ("history".to_owned(), noise(2000, 3 * slab as usize)),
-            ("special".to_owned(), vec![-0.0, f64::NAN, f64::NEG_INFINITY, 5e-324, 0.1 + 0.2]),
+            ("flow".to_owned(), noise(1000 + slab, 700).into()),
+            ("history".to_owned(), noise(2000, 3 * slab as usize).into()),
+            ("special".to_owned(), vec![-0.0, f64::NAN, f64::NEG_INFINITY, 5e-324, 0.1 + 0.2].into()),
         ]),
         integers: BTreeMap::from([("slab".to_owned(), slab as i64), ("lowest".to_owned(), i64::MIN)]),
         texts: BTreeMap::from([("note".to_owned(), "Δt halved".to_owned()), ("empty".to_owned(), String::new())]),

@@ -2,9 +2,7 @@
 
 use super::moments::{Averaged, Moments};
 use case::Averages;
-use std::collections::BTreeMap;
-
-type Arrays = BTreeMap<String, Vec<f64>>;
+use output::Arrays;
 
 /// The beginning of the names of the arrays.
 const NAME: &str = "statistics.averages";
@@ -117,12 +115,12 @@ impl AverageSums {
             ("moments", moments),
             ("displacements", displacements),
         ];
-        arrays.map(|(name, values)| (format!("{NAME}.{name}"), values.clone())).into()
+        arrays.map(|(name, values)| (format!("{NAME}.{name}"), values.clone().into())).into()
     }
 
     /// Back from named numbers; empty if there are none, `None` if they are incomplete.
     pub fn from_arrays(arrays: &Arrays) -> Option<Self> {
-        let get = |name: &str| arrays.get(&format!("{NAME}.{name}")).cloned();
+        let get = |name: &str| arrays.get(&format!("{NAME}.{name}")).map(|values| values.to_vec());
         let Some(plan) = get("plan") else { return Some(AverageSums::default()) };
         let durations = get("durations").filter(|durations| !durations.is_empty())?;
         Some(AverageSums {

@@ -1,13 +1,16 @@
 //! The kernels of a run, to be measured by `stsolve bench`.
 //!
-//! They stand here because this crate compiles the solver for two and for three dimensions. Elsewhere it would be compiled once more.
+//! They stand here because this crate compiles the solver for two and for three dimensions. Elsewhere it would be compiled once more. The
+//! command line is compiled without optimisation: nothing that is timed stands there.
 //!
 //! | module | holds |
 //! |---|---|
 //! | `subject` | a set of measured kernels, and their amount of work |
 //! | `elastic`, `elastic_solvers`, `flow`, `preconditioner`, `vectors` | the subjects |
+//! | `arithmetic` | the work that tells the peak of the machine |
 //! | `messages` | what ranks send each other, beside a model |
 
+mod arithmetic;
 mod elastic;
 mod elastic_solvers;
 mod flow;
@@ -16,6 +19,7 @@ mod preconditioner;
 mod subject;
 mod vectors;
 
+pub use arithmetic::multiply_and_add;
 use elastic::Elastic;
 use elastic_solvers::ElasticSolvers;
 use flow::Flow;

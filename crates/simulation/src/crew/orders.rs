@@ -89,8 +89,8 @@ pub(super) fn decode(bytes: &[u8]) -> SolverState {
     }
     while let Some(key) = name(&mut rest) {
         let length = number(&mut rest).map_or(0, u64::from_le_bytes);
-        let values = (0..length).map_while(|_| number(&mut rest).map(f64::from_le_bytes)).collect();
-        state.arrays.insert(key, values);
+        let values: Vec<f64> = (0..length).map_while(|_| number(&mut rest).map(f64::from_le_bytes)).collect();
+        state.arrays.insert(key, values.into());
     }
     state
 }
@@ -116,7 +116,9 @@ mod tests {
     fn a_state_goes_through_bytes() {
         let mut state = SolverState::default();
         state.integers.extend([("slab".to_owned(), 7), ("stale".to_owned(), -1)]);
-        state.arrays.extend([("flow".to_owned(), vec![0.1, -0.0, 1e300]), ("empty".to_owned(), Vec::new())]);
+        state
+            .arrays
+            .extend([("flow".to_owned(), vec![0.1, -0.0, 1e300].into()), ("empty".to_owned(), Vec::new().into())]);
         let again = decode(&encode(&state));
         assert_eq!((again.integers, again.arrays), (state.integers, state.arrays));
     }

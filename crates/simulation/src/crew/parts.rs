@@ -13,7 +13,7 @@ pub fn own_state(whole: State, share: &Share) -> State {
 
 /// The own part of a linearisation of the whole flow.
 pub fn own_linearisation(whole: Linearisation, share: &Share) -> Linearisation {
-    let state = share.own_part(&whole.state);
+    let state = Arc::new(share.own_part(&whole.state));
     if whole.ordering.cells.is_empty() {
         return Linearisation { state, ..whole };
     }
@@ -28,6 +28,8 @@ pub fn own_linearisation(whole: Linearisation, share: &Share) -> Linearisation {
 /// Replaces `whole` on rank 0 by the state of all ranks. A collective call.
 pub(super) fn join_state<const D: usize, const M: usize>(march: &FlowMarch<D, M>, whole: &mut State) {
     let (state, share) = (&march.state, &march.solver.system.flow.operator.share);
+    // The memory of the old one serves the new one.
+    *whole = State::new(whole.time, Vec::new(), Vec::new());
     let past = state.past.as_ref().map(|past| Past { u: Arc::new(share.join(&past.u)), ..past.clone() });
     let (u, determinants) = (share.join(&state.u), share.join(&state.determinants));
     *whole = State { u, determinants, past, ..state.clone() };
@@ -42,7 +44,7 @@ pub(super) fn join_linearisation<const D: usize, const M: usize>(
     let frozen = march.solver.system.flow.preconditioner.frozen()?;
     let place = |&position: &usize| [frozen.ordering.stage(position) as f64, position as f64];
     let places: Vec<f64> = frozen.ordering.positions.iter().take(share.own.len()).flat_map(place).collect();
-    let state = share.join(&frozen.state);
+    let state = Arc::new(share.join(&frozen.state));
     let places = if places.is_empty() { places } else { share.join(&places) };
     Some((Linearisation { state, ordering: Ordering::none(), ..frozen.clone() }, places))
 }

@@ -4,13 +4,14 @@ use case::Case;
 
 /// The number of vectors as long as the coordinates of all cells that a run keeps at any time: coordinates and node numbers where they
 /// are needed, and fields for the result file. It is measured, like the next two.
-const VECTORS: usize = 21;
+const VECTORS: usize = 20;
 
 /// The same for each time node of a slab: velocities, residuals, fields.
-const VECTORS_IN_TIME: usize = 8;
+const VECTORS_IN_TIME: usize = 7;
 
-/// Arrays of traces of mesh or direction, each with values and derivatives along the axis that leaves the face.
-const TRACES: usize = 4 * 2;
+/// Arrays as long as the values of mesh velocities on all faces: derivatives along the axis that leaves the face, and for mesh and direction the
+/// values on one side of facets and the derivatives on both.
+const TRACES: usize = 1 + 2 * 2;
 
 /// Arrays of values of det J_0 at the points of the proof.
 const DETERMINANTS: usize = 5;

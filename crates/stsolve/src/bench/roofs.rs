@@ -4,7 +4,7 @@ use super::stopwatch::best;
 use newton_krylov::inner_product::xpay;
 use rayon::ThreadPool;
 use serde::Serialize;
-use simulation::bench::bytes;
+use simulation::bench::{bytes, multiply_and_add};
 use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
 
@@ -49,36 +49,11 @@ impl WithSimd for Lanes {
     }
 }
 
-/// Accumulators: enough to hide the latency of two units, and few enough for the registers of AVX2.
-const CHAINS: usize = 12;
-
-/// Steps of one burst, some hundred microseconds.
-const STEPS: usize = 100_000;
-
-/// Independent fused multiply-adds: x := a x + b in [`CHAINS`] registers. Returns the number of operations.
-struct Chains(f64);
-
-impl WithSimd for Chains {
-    type Output = f64;
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let (a, b) = (simd.splat_f64s(1.0 - self.0), simd.splat_f64s(self.0));
-        let mut x = [b; CHAINS];
-        for _ in 0..STEPS {
-            for chain in 0..CHAINS {
-                x[chain] = simd.mul_add_f64s(x[chain], a, b);
-            }
-        }
-        std::hint::black_box(x);
-        (2 * CHAINS * STEPS * S::F64_LANES) as f64
-    }
-}
-
 /// Billion operations per second of all threads of a pool.
 fn peak(pool: &ThreadPool, seconds: f64) -> f64 {
     let rate = |_: rayon::BroadcastContext<'_>| {
         let mut operations = 0.0;
-        let time = best(seconds, || operations = Arch::new().dispatch(Chains(std::hint::black_box(1e-3))));
+        let time = best(seconds, || operations = multiply_and_add());
         operations / time
     };
     pool.broadcast(rate).iter().sum::<f64>() * 1e-9

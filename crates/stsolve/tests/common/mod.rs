@@ -140,8 +140,8 @@ pub fn power_of_rates(run: &Path) -> Vec<f64> {
 /// All numbers of the last checkpoint, bit by bit, and the counters.
 pub fn checkpoint(run: &Path) -> (BTreeMap<String, Vec<u64>>, BTreeMap<String, i64>) {
     let (_, state) = output::read_checkpoint(&run.join("result.vtkhdf")).unwrap();
-    let bits = |values: Vec<f64>| values.into_iter().map(f64::to_bits).collect();
-    (state.arrays.into_iter().map(|(name, values)| (name, bits(values))).collect(), state.integers)
+    let bits = |values: &[f64]| values.iter().copied().map(f64::to_bits).collect();
+    (state.arrays.into_iter().map(|(name, values)| (name, bits(&values))).collect(), state.integers)
 }
 
 /// Fails unless two runs have ended with the same bits.

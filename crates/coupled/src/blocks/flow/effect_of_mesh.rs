@@ -5,12 +5,16 @@
 //! ```
 //!
 //! A product along the mesh costs about twice a product along the state. Rigid bodies with n unknowns move the mesh in a space of n
-//! dimensions. Products with its basis then serve all Krylov directions.
+//! dimensions. Products with its basis then serve all Krylov directions. Later Newton steps of a slab may keep the products of an earlier one:
+//! B changes little between them.
 
 use newton_krylov::inner_product::{Euclidean, InnerProduct, axpy};
 
 /// A remainder w of this size, relative to v, is rounding.
 const ROUNDING: f64 = 1e-12;
+
+/// With the products of an earlier point, a remainder of this size is no more than their error.
+const OLD_REMAINDER: f64 = 1e-3;
 
 /// B v: rows of the residual, and the loads on walls.
 #[derive(Default)]
@@ -30,13 +34,43 @@ pub(super) struct EffectOfMesh {
     effect: Effect,
     /// q_j and B q_j.
     basis: Vec<(Vec<f64>, Effect)>,
+    /// Whether the B q_j are those of an earlier point of linearisation.
+    is_old: bool,
+    /// Whether the effect is small beside the residual, once that has been judged.
+    is_small: Option<bool>,
 }
 
 impl EffectOfMesh {
-    /// Forgets all products: the point of linearisation has changed.
+    /// Forgets all products.
     pub(super) fn forget(&mut self) {
         self.velocities.clear();
         self.basis.clear();
+        (self.is_old, self.is_small) = (false, None);
+    }
+
+    /// The point of linearisation has changed a little: if the effect was small, the products with the basis will do.
+    pub(super) fn grow_old(&mut self) {
+        if self.is_small != Some(true) {
+            return self.forget();
+        }
+        self.velocities.clear();
+        (self.is_old, self.is_small) = (true, None);
+    }
+
+    /// The effect last taken, if there is a basis and nobody has judged it since the point of linearisation changed.
+    pub(super) fn unjudged(&self) -> Option<&Effect> {
+        let is_known = !self.velocities.is_empty() && !self.basis.is_empty();
+        (is_known && self.is_small.is_none()).then_some(&self.effect)
+    }
+
+    /// Notes whether the effect is small. Returns true if it must be taken anew: it is not, and the products are old.
+    pub(super) fn judge(&mut self, is_small: bool) -> bool {
+        let taken_anew = self.is_old && !is_small;
+        if taken_anew {
+            self.forget();
+        }
+        self.is_small = Some(is_small);
+        taken_anew
     }
 
     /// Whether the effect last taken is that of `v`.
@@ -58,7 +92,13 @@ impl EffectOfMesh {
         }
         let (mut coefficients, rest) = self.split(v);
         let size = Euclidean.norm(&rest);
-        let is_known = size <= ROUNDING * Euclidean.norm(v) && !self.basis.is_empty();
+        let negligible = if self.is_old { OLD_REMAINDER } else { ROUNDING };
+        let is_known = size <= negligible * Euclidean.norm(v) && !self.basis.is_empty();
+        if !is_known && self.is_old {
+            self.basis.clear();
+            self.is_old = false;
+            return self.take(v, product);
+        }
         if !is_known && (self.basis.len() == self.dimension || size == 0.0) {
             return product(v, &mut self.effect);
         }
@@ -136,6 +176,32 @@ mod tests {
     fn a_mesh_that_rests_has_an_effect_of_zeros() {
         checked(0)([0.0; 3], 1);
         checked(2)([0.0; 3], 1);
+    }
+
+    /// After the point of linearisation has changed, the basis serves until its effect is found to be large.
+    #[test]
+    fn old_products_serve_until_they_are_forgotten() {
+        let (mut of_mesh, mut products) = (EffectOfMesh { dimension: 2, ..EffectOfMesh::default() }, 0);
+        let mut take = |of_mesh: &mut EffectOfMesh, v: &[f64]| {
+            of_mesh.take(v, |x, effect| {
+                products += 1;
+                product(x, effect);
+            });
+            products
+        };
+        assert_eq!(take(&mut of_mesh, &[1.0, 2.0, 0.0]), 1);
+        assert!(of_mesh.unjudged().is_some() && !of_mesh.judge(true), "products of this point are exact");
+        assert!(of_mesh.unjudged().is_none(), "it is judged once");
+        of_mesh.grow_old();
+        assert!(of_mesh.unjudged().is_none(), "nothing was taken yet");
+        assert_eq!(take(&mut of_mesh, &[-2.0, -4.0 + 1e-4, 0.0]), 1, "a small remainder");
+        assert!(of_mesh.unjudged().is_some() && of_mesh.judge(false), "a large effect must be taken anew");
+        assert_eq!(take(&mut of_mesh, &[-2.0, -4.0, 0.0]), 2);
+        of_mesh.grow_old();
+        assert_eq!(take(&mut of_mesh, &[-2.0, -4.0, 0.0]), 3, "a large effect never serves later points");
+        assert!(!of_mesh.judge(true));
+        of_mesh.grow_old();
+        assert_eq!(take(&mut of_mesh, &[1.0, 0.0, 0.0]), 4, "another direction needs new products");
     }
 
     /// Velocities in a plane take two products, whatever their number and their size; others take one each.
