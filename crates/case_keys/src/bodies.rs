@@ -69,7 +69,7 @@ pub struct Freedom {
     pub stops: Option<Stops>,
     /// The displacement or angle as a formula in the time t, zero at the start: it is prescribed, not free.
     pub motion: Option<Formula>,
-    /// The time from which a prescribed coordinate is free. A slab must begin there.
+    /// The time from which a prescribed coordinate is free. A slab must begin there; `time.adaptive` cuts one.
     pub release: Option<f64>,
 }
 

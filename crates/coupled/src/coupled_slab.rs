@@ -175,7 +175,7 @@ impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
         let (mut z, references) = self.guess(state, interval)?;
         let settings = self.settings(state);
         let report = self.newton(&mut z, &references, &settings).map_err(|source| self.cause(&z, source))?;
-        let velocity_at_top = self.velocity_at_top(interval.end);
+        let velocity_at_top = self.velocity_at_top(interval.end, &z);
         let balance = balance::correct(&mut self.system, &mut z, self.workspace.residual(), &velocity_at_top);
         let quality = self.check_mesh()?;
         self.check_top(&z, interval)?;
@@ -292,33 +292,38 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         operator.share.first_violation(own).map_or(Ok(()), |violation| Err(SlabError::Top(inadmissible(violation))))
     }
 
-    /// The velocity of the mesh at the top of the slab, the time `t`; at prescribed nodes the prescribed one.
-    fn velocity_at_top(&self, t: f64) -> Vec<f64> {
+    /// The velocity of the mesh at the top of the slab with the unknowns `z`, the time `t`; at prescribed nodes the prescribed one, at those that
+    /// a body moves that of the body.
+    fn velocity_at_top(&self, t: f64, z: &[f64]) -> Vec<f64> {
         let (mover, v) = (self.system.mover(), self.system.mesh.velocities());
         // The last time node is the top.
         let mut velocity = v[v.len() - mover.field_len()..].to_vec();
         if self.system.follows_time() {
             mover.prescribe_velocity(t, &mut velocity);
         }
+        for (number, body) in self.system.bodies.iter().enumerate() {
+            body.write_velocity_at_top(&z[self.system.body_range(number)], &mut velocity);
+        }
         velocity
     }
 
     /// |u(t_n+) - u_n| in L2 over the domain, every component in units of its scale.
-    fn jump_at_bottom(&self, state: &State, z: &[f64]) -> f64 {
+    fn jump_at_bottom(&mut self, state: &State, z: &[f64]) -> f64 {
         let flow = &self.system.flow.operator;
         let (layout, one, u) = (flow.layout, flow.layout.at_one_time(), &z[self.system.flow_range()]);
-        let mut jump: Vec<f64> = state.u.iter().map(|below| -below).collect();
+        let [jump, mass_product] = self.workspace.room().map(|room| &mut room[..one.len()]);
+        jump.iter_mut().zip(&state.u).for_each(|(jump, below)| *jump = -below);
         for (a, phi) in flow.tables.time.values(0.0).into_iter().enumerate() {
             for cell in 0..layout.cells {
                 let above = &u[layout.cell_at(cell, a)];
                 jump[one.cell(cell)].iter_mut().zip(above).for_each(|(jump, u)| *jump += phi * u);
             }
         }
-        let (mut mass_product, scales) = (vec![0.0; jump.len()], flow.problem.kernels.scales());
-        flow.mass_product(&jump, SlabEnd::Bottom, &mut mass_product);
-        for (i, (jump, moment)) in jump.iter_mut().zip(&mass_product).enumerate() {
-            *jump = *jump * moment / scales[one.component_of(i)].powi(2);
+        let scales = flow.problem.kernels.scales();
+        flow.mass_product(jump, SlabEnd::Bottom, mass_product);
+        for (i, (jump, moment)) in jump.iter_mut().zip(mass_product).enumerate() {
+            *jump = *jump * *moment / scales[one.component_of(i)].powi(2);
         }
-        inner_product::sum_over_blocks(&jump, &flow.share.ends, &flow.share.sums).max(0.0).sqrt()
+        inner_product::sum_over_blocks(jump, &flow.share.ends, &flow.share.sums).max(0.0).sqrt()
     }
 }

@@ -18,7 +18,7 @@ const TOO_LARGE: f64 = 2.0;
 const SLIVER: f64 = 0.01;
 
 /// The slabs of a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
     /// The time at the start.
     pub start: f64,
@@ -30,6 +30,8 @@ pub struct Schedule {
     pub slabs: usize,
     /// The control of the length of slabs; `None` if the length is fixed.
     pub control: Option<StepControl>,
+    /// Times at which a slab begins, whatever the control: a body is released there. Slabs of a fixed length must meet them anyway.
+    pub begins: Vec<f64>,
 }
 
 /// Slabs as long as the jump at their bottom allows.
@@ -60,7 +62,7 @@ impl StepControl {
 impl Schedule {
     /// `slabs` slabs of the same length, from time 0 to `end`.
     pub fn uniform(end: f64, slabs: usize) -> Self {
-        Schedule { start: 0.0, end, step: end / slabs as f64, slabs, control: None }
+        Schedule { start: 0.0, end, step: end / slabs as f64, slabs, control: None, begins: Vec::new() }
     }
 
     /// Whether a run in this state is at its end.
@@ -71,13 +73,22 @@ impl Schedule {
         }
     }
 
+    /// The latest end of a slab that begins at `start`.
+    fn latest_end(&self, start: f64) -> f64 {
+        let later = self.begins.iter().copied().filter(|t| *t - start > 1e-9 * t.abs());
+        later.chain([self.end]).min_by(f64::total_cmp).unwrap_or(self.end)
+    }
+
     /// The slab after the time reached.
     pub fn next(&self, state: &State) -> Interval {
         let end = match self.control {
             None if state.nominal + 1 == self.slabs => self.end,
             None => self.start + self.step * (state.nominal + 1) as f64,
-            Some(_) if self.end - state.time <= (1.0 + SLIVER) * state.step => self.end,
-            Some(_) => state.time + state.step,
+            Some(_) => {
+                let latest = self.latest_end(state.time);
+                let is_last_before = latest - state.time <= (1.0 + SLIVER) * state.step;
+                if is_last_before { latest } else { state.time + state.step }
+            }
         };
         Interval { start: state.time, end, halvings: 0 }
     }
@@ -115,12 +126,13 @@ impl Schedule {
         true
     }
 
-    /// Sets the length of the slab after `interval`, which was solved with this `jump`. A slab that the end of the run has cut short must
-    /// not shorten later ones.
+    /// Sets the length of the slab after `interval`, which was solved with this `jump`. A slab that the end of the run or a release has cut short
+    /// must not shorten later ones.
     pub fn adapt(&self, state: &mut State, interval: Interval, jump: f64, time_order: usize) {
         let Some(control) = self.control else { return };
         let next = control.next(interval.end - interval.start, jump, time_order);
-        state.step = if interval.end < self.end { next } else { next.max(state.step) };
+        let is_cut = interval.end >= self.latest_end(interval.start);
+        state.step = if is_cut { next.max(state.step) } else { next };
     }
 }
 
@@ -130,12 +142,23 @@ mod tests {
 
     const CONTROL: StepControl = StepControl { tolerance: 1e-3, smallest: 1e-3, largest: 1.0 };
 
+    /// A body was released up to a whole slab late.
+    #[test]
+    fn a_slab_begins_where_a_body_is_released() {
+        let schedule = Schedule { begins: vec![0.0, 0.5, 0.7], ..schedule(Some(CONTROL)) };
+        let end = |time: f64| schedule.next(&state(time, 0.3)).end;
+        assert_eq!([end(0.0), end(0.25), end(0.5), end(0.7)], [0.3, 0.5, 0.7, 1.0]);
+        let mut after = state(0.25, 0.3);
+        schedule.adapt(&mut after, Interval { start: 0.25, end: 0.5, halvings: 0 }, 1e-3, 1);
+        assert_eq!(after.step, 0.3, "a slab that was cut short does not shorten the next one");
+    }
+
     fn state(time: f64, step: f64) -> State {
         State { step, ..State::new(time, Vec::new(), Vec::new()) }
     }
 
     fn schedule(control: Option<StepControl>) -> Schedule {
-        Schedule { start: 0.0, end: 1.0, step: 0.3, slabs: 4, control }
+        Schedule { start: 0.0, end: 1.0, step: 0.3, slabs: 4, control, begins: Vec::new() }
     }
 
     #[test]

@@ -126,10 +126,10 @@ impl<const D: usize> Dynamics<D> {
         forces: &[f64],
         v: &mut [f64],
     ) -> Result<DynamicsReport, ElasticityError> {
-        let scale = slab.residual(forces, v, &mut vec![0.0; v.len()])?;
+        let forces_at = |v: &[f64]| slab.residual(forces, v, &mut vec![0.0; v.len()]);
         let mut motion = StructureMotion { slab: *slab, forces, modal: &self.modal };
         let large_displacement::Work { steps, iterations } =
-            large_displacement::solve(&mut motion, scale, slab.bottom.time, v)?;
+            large_displacement::solve(&mut motion, &forces_at, slab.bottom.time, v)?;
         Ok(DynamicsReport { corrections: steps, iterations, ..Default::default() })
     }
 

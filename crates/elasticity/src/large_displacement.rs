@@ -19,19 +19,24 @@ const PRECONDITIONER_TOLERANCE: f64 = 1e-2;
 /// The residual is this small against the forces in it, or rounding.
 const TOLERANCE: f64 = 1e-12;
 
+/// If the forces at the solution are less than this part of those at the guess, the solution is not accurate enough for them.
+const SMALLER: f64 = 0.1;
+
 /// Rounding of a force is about this part of stiffness times displacement.
 const ROUNDING: f64 = 10.0 * f64::EPSILON;
 
 /// What Newton's method has cost.
+#[derive(Default)]
 pub(crate) struct Work {
     pub(crate) steps: usize,
     pub(crate) iterations: usize,
 }
 
-/// Finds `x` with a residual that is small against `forces`, the size of the forces in it, in the slab from `time`.
+/// Finds `x` with a residual that is small against `forces_at(x)`, the size of the forces in it, in the slab from `time`. A guess that nearly
+/// inverts cells has forces far beyond those of the solution, so its scale is only the first one.
 pub(crate) fn solve(
     equations: &mut impl ElasticEquations,
-    forces: f64,
+    forces_at: &dyn Fn(&[f64]) -> Result<f64, Inversion>,
     time: f64,
     x: &mut [f64],
 ) -> Result<Work, ElasticityError> {
@@ -42,9 +47,16 @@ pub(crate) fn solve(
         forcing: forcing::Settings { minimum: 1e-4, ..Default::default() },
         ..Default::default()
     };
-    match nonlinear::solve(equations, x, forces, settings) {
-        Ok(report) => Ok(Work { steps: report.steps.len(), iterations: report.krylov_iterations }),
-        Err(error) => Err(ElasticityError::LargeDisplacement { time, source: Box::new(error) }),
+    let (mut work, mut forces) = (Work::default(), forces_at(x)?);
+    loop {
+        let report = nonlinear::solve(equations, x, forces, settings)
+            .map_err(|error| ElasticityError::LargeDisplacement { time, source: Box::new(error) })?;
+        work.steps += report.steps.len();
+        work.iterations += report.krylov_iterations;
+        let before = std::mem::replace(&mut forces, forces_at(x)?);
+        if forces >= SMALLER * before || report.final_norm() <= TOLERANCE * forces {
+            return Ok(work);
+        }
     }
 }
 

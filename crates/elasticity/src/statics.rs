@@ -69,12 +69,29 @@ impl<const D: usize> Statics<D> {
             structure.apply_stiffness_at(d, w, out);
             structure.add_pressure_stiffness(loads, t, (d, w), -1.0, out);
         };
-        let mut r = vec![0.0; d.len()];
-        imbalance(d, &mut r)?;
         // Forces at supports, too: those at free entries may all vanish at rest.
-        let forces = Euclidean.norm(f) + Euclidean.norm(&r);
+        let forces_at = |d: &[f64]| -> Result<f64, Inversion> {
+            let mut r = vec![0.0; d.len()];
+            imbalance(d, &mut r)?;
+            Ok(Euclidean.norm(f) + Euclidean.norm(&r))
+        };
+        self.improve_guess(t, f, &forces_at, d);
         let mut equations = StructureEquilibrium::new(structure, &imbalance, &stiffness);
-        Ok(large_displacement::solve(&mut equations, forces, t, d)?.iterations)
+        Ok(large_displacement::solve(&mut equations, &forces_at, t, d)?.iterations)
+    }
+
+    /// Replaces the guess `d` by the equilibrium of the linear law if that has smaller forces. A guess that moves supports alone turns the
+    /// cells there inside out.
+    fn improve_guess(&self, t: f64, f: &[f64], forces_at: &dyn Fn(&[f64]) -> Result<f64, Inversion>, d: &mut [f64]) {
+        let mut linear = vec![0.0; d.len()];
+        self.structure.at_fixed(&mut linear, |i| d[i]);
+        if linear.iter().all(|&x| x == 0.0) || self.structure.balance(&self.stiffness, t, f, &mut linear).is_err() {
+            return;
+        }
+        let size = |d: &[f64]| forces_at(d).unwrap_or(f64::INFINITY);
+        if size(&linear) < size(d) {
+            d.copy_from_slice(&linear);
+        }
     }
 
     /// r = R(d) - f at all entries, with follower pressures.

@@ -21,7 +21,7 @@ use crate::wall_loads::NodalLoads;
 use basis::Matrix;
 use rayon::prelude::*;
 use std::sync::Arc;
-use tensor::WIDTH;
+use tensor::{Pack, WIDTH};
 
 /// The data of a slab operator.
 pub struct Problem<const D: usize, const M: usize> {
@@ -217,15 +217,42 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
     /// Mass product int psi u J of a state at an end of the slab.
     pub fn mass_product(&self, state: &[f64], end: SlabEnd, out: &mut [f64]) {
+        let cell_len = self.layout.time_len();
+        self.mass_products(state, end, cell_len, out, |product, out| scatter(product, cell_len, out));
+    }
+
+    /// The integral of every component over every own cell at an end of the slab, `[cell][component]`.
+    pub fn integrals(&self, state: &[f64], end: SlabEnd) -> Vec<f64> {
+        let mut integrals = vec![0.0; self.layout.cells * M];
+        self.mass_products(state, end, M, &mut integrals, |product, out| {
+            for (lane, out) in out.chunks_exact_mut(M).enumerate() {
+                let components = product.chunks_exact(self.layout.nodes);
+                let integrals = components.map(|component| component.iter().map(|pack| pack.0[lane]).sum());
+                out.iter_mut().zip(integrals).for_each(|(out, integral)| *out = integral);
+            }
+        });
+        integrals
+    }
+
+    /// Passes the mass products of every batch of cells, `[component][node]`, to `put` with the part of `out` of these cells: `len` numbers
+    /// for each.
+    fn mass_products(
+        &self,
+        state: &[f64],
+        end: SlabEnd,
+        len: usize,
+        out: &mut [f64],
+        put: impl Fn(&[Pack], &mut [f64]) + Sync,
+    ) {
         let layout = self.layout.at_one_time();
         let row = if end == SlabEnd::Bottom { self.tables.bottom_row() } else { self.top_row() };
-        out.par_chunks_mut(WIDTH * layout.cell_len()).enumerate().for_each(|(batch, out)| {
+        out.par_chunks_mut(WIDTH * len).enumerate().for_each(|(batch, out)| {
             self.cells.with(|scratch| {
                 let cells = cells_of(batch, layout.cells);
                 gather(cells.map(|c| &state[layout.cell(c)]), &mut scratch.state_at[..layout.cell_len()]);
                 self.gather_end(batch, end, row.row(0), scratch);
                 self.problem.kernels.mass_product(&self.tables, scratch);
-                scatter(&scratch.mass_product_at[..layout.cell_len()], layout.cell_len(), out);
+                put(&scratch.mass_product_at[..layout.cell_len()], out);
             });
         });
     }

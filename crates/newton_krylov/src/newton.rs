@@ -120,6 +120,11 @@ impl Workspace {
         &self.residual
     }
 
+    /// Two vectors of numbers without meaning, each as long as the problem last solved, to work with until the next solve.
+    pub fn room(&mut self) -> [&mut Vec<f64>; 2] {
+        self.krylov.spares(self.residual.len())
+    }
+
     /// Makes room for a problem of the given length.
     fn prepare(&mut self, length: usize) {
         for vector in [&mut self.residual, &mut self.increment] {

@@ -156,13 +156,19 @@ fn depth<const D: usize>(size: f64, coordinates: &[Coordinate], area: &basis::Ma
     if D == 2 && widest > 0.0 { FRAC_PI_4 * size * size / widest } else { DEPTH * size }
 }
 
+/// The rate of a `motion` at time `t`.
+fn rate(motion: &Program, t: f64) -> f64 {
+    motion.evaluate(&[], Dual::new(t, 1.0)).derivative
+}
+
 fn coordinate<const D: usize>(case: &Case<D>, freedom: &Freedom) -> Coordinate {
     let drive = freedom.motion.clone().map(|motion| {
+        let differentiated = motion.clone();
         let position = move |t: f64| motion.evaluate::<f64>(&[], t);
-        Drive { position: Arc::new(position), release: freedom.release }
+        let rate = move |t: f64| rate(&differentiated, t);
+        Drive { position: Arc::new(position), rate: Arc::new(rate), release: freedom.release }
     });
-    let rate = |motion: &Program| motion.evaluate(&[], Dual::new(case.time.start, 1.0)).derivative;
-    let rate_at_start = freedom.motion.as_ref().map_or(freedom.rate, rate);
+    let rate_at_start = freedom.motion.as_ref().map_or(freedom.rate, |motion| rate(motion, case.time.start));
     Coordinate {
         freedom: freedom.direction,
         stiffness: freedom.spring,

@@ -9,7 +9,8 @@ pub use structure::{StructureAtStart, solid, structure_at_start, structure_march
 use super::bodies::bodies;
 use case::{Case, Data, Flow, Jacobian, PointData, Preconditioner, Predictor, Source, State};
 use coupled::{
-    Discretisation, Discretised, FlowMarch, LaggedPreconditioner, MeshMotion, MeshMover, Method, StartLayer, System,
+    Discretisation, Discretised, FlowMarch, LaggedPreconditioner, MeshMotion, MeshMover, Method, Schedule, StartLayer,
+    System,
 };
 use elasticity::ElasticityError;
 use fem::{Orders, Problem, Share, SlabOperator, StateField};
@@ -242,10 +243,15 @@ where
     Some(Arc::new(Manufactured { law: flow.law, exact }))
 }
 
+/// The times when drives of bodies end.
+fn releases<const D: usize>(case: &Case<D>) -> Vec<f64> {
+    case.bodies.iter().flat_map(|body| &body.freedoms).filter_map(|freedom| freedom.release).collect()
+}
+
 fn settings<const D: usize>(case: &Case<D>) -> coupled::Settings {
     let (time, solver) = (&case.time, &case.solver);
     coupled::Settings {
-        schedule: time.schedule(),
+        schedule: Schedule { begins: releases(case), ..time.schedule() },
         newton: solver.newton(),
         predictor: match solver.predictor {
             Predictor::Elastic => coupled::Predictor::Elastic,

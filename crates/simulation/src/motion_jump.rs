@@ -2,7 +2,7 @@
 
 use super::bodies::is_of_body;
 use super::build::prescribed_nodes;
-use case::{Case, Motion};
+use case::{Case, Motion, constrained};
 use coupled::{MeshMover, State};
 use mesh::NodeNumbering;
 use std::collections::BTreeSet;
@@ -46,6 +46,7 @@ pub fn of_position<const D: usize>(case: &Case<D>, mover: &MeshMover<D>, state: 
     for (node, x, field) in prescribed_nodes(case) {
         prescribed[node * D..][..D].copy_from_slice(&field.displacement(node, &x, state.time));
     }
+    leave_free(case, &mover.numbering, &[&case.motion], &state.d, &mut prescribed);
     let size = case.mesh.diameter() + state.d.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
     // Far from the origin formulas in the position have its round-off.
     let farthest = case.mesh.coordinates().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
@@ -60,11 +61,28 @@ pub fn of_velocity<const D: usize>(before: &Case<D>, now: &Case<D>, mover: &Mesh
     let moment = MOMENT * now.time.step;
     // The one up to t, the other from t on.
     let there = velocities(before, mover.field_len(), t, -moment);
-    let here = velocities(now, mover.field_len(), t, moment);
+    let mut here = velocities(now, mover.field_len(), t, moment);
+    leave_free(now, &mover.numbering, &[&before.motion, &now.motion], &there, &mut here);
     let fastest = there.iter().chain(&here).fold(0.0, |most: f64, v| most.max(v.abs()));
     let least = (SMALL_JUMP * fastest).max(AT_REST * now.mesh.diameter() / now.time.step);
     let nodes = known_nodes(now, &mover.numbering, &[&before.motion, &now.motion]);
     largest(mover.positions(), nodes, &there, &here).filter(|jump| jump.size() > least)
+}
+
+/// Replaces the components of `here` that one of the `motions` leaves free, on boundaries that slide, by those of `there`.
+fn leave_free<const D: usize>(
+    case: &Case<D>,
+    numbering: &NodeNumbering,
+    motions: &[&Option<Motion<D>>],
+    there: &[f64],
+    here: &mut [f64],
+) {
+    for motion in motions {
+        let Some(Motion::Elastic { slides, .. }) = motion else { continue };
+        let held = constrained(&case.mesh, numbering, slides);
+        let free = held.as_flattened().iter().enumerate().filter(|(_, held)| !**held);
+        free.for_each(|(i, _)| here[i] = there[i]);
+    }
 }
 
 /// The nodes whose displacement all of the `motions` of `case` prescribe: those on boundaries if one of them has an elastic interior, without

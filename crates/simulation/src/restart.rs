@@ -67,6 +67,25 @@ pub enum RestartError {
         /// Their distance.
         distance: f64,
     },
+    /// A body would jump.
+    #[error(
+        "this case cannot start from `{path}`: at t = {time} the coordinate `{coordinate}` of the body `{body}` is {there} there, and its motion in \
+         this case is {here}; change `bodies.{body}.{coordinate}.motion` so that it goes on from there, or start anew"
+    )]
+    BodyJumps {
+        /// The result file.
+        path: PathBuf,
+        /// The time reached there.
+        time: f64,
+        /// The body.
+        body: String,
+        /// Its coordinate.
+        coordinate: &'static str,
+        /// Its value in the file.
+        there: f64,
+        /// Its value in this case.
+        here: f64,
+    },
     /// The time reached by the run is outside this case.
     #[error(
         "this case cannot start from `{path}`: the run there stands at t = {time}, this case covers t = {start} to {end}; change `time.end`"
@@ -244,6 +263,22 @@ impl Origin {
         if there == here { Ok(()) } else { Err(self.differs("coordinates of the bodies", told(&there), told(&here))) }
     }
 
+    /// Driven coordinates of bodies must be where their motion puts them.
+    fn check_drives<const D: usize>(&self, case: &Case<D>, state: &State) -> Result<(), RestartError> {
+        for (body, stored) in case.bodies.iter().zip(&state.bodies) {
+            for (freedom, &there) in body.freedoms.iter().zip(stored) {
+                let is_driven = freedom.release.is_none_or(|release| state.time < release - 1e-9 * release.abs());
+                let Some(motion) = freedom.motion.as_ref().filter(|_| is_driven) else { continue };
+                let here = motion.evaluate::<f64>(&[], state.time);
+                if (there - here).abs() > 1e-9 * (1.0 + there.abs().max(here.abs())) {
+                    let (path, time, body) = (self.path.clone(), state.time, body.name.clone());
+                    return Err(RestartError::BodyJumps { path, time, body, coordinate: freedom.name, there, here });
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// Raises the pressure everywhere by the difference of the reference pressures: rho E = p / (gamma - 1) + ...
     fn shift_pressure<const D: usize, const M: usize>(
         &self,
@@ -279,6 +314,7 @@ impl Origin {
             let (path, distance) = (self.path.clone(), jump.size());
             return Err(RestartError::MotionJumps { path, time: state.time, position, there, here, distance });
         }
+        self.check_drives(case, state)?;
         let path = self.path.display();
         let before = match motion_of(&self.result.metadata.case_text, &case.mesh) {
             Ok(motion) => Case { motion, ..case.clone() },

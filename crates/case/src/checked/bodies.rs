@@ -5,6 +5,7 @@ mod freedoms;
 use super::flow::Flow;
 use super::inertia;
 use super::mesh_crate::{Mesh, NodeNumbering};
+use super::shared_nodes::periodic_copies_apart;
 use super::time::Time;
 use crate::checker::{Checked, Checker};
 use crate::error::collected;
@@ -127,6 +128,9 @@ pub(super) fn check<const D: usize>(
             return Err(checker.combination(&key_of(&body.name), problem, "`mesh` in all bodies, or in none"));
         }
     }
+    if bodies.len() > 1 {
+        bodies.iter().try_for_each(|body| given.check_weight_on_others(body, &bodies))?;
+    }
     Ok(bodies)
 }
 
@@ -208,6 +212,29 @@ impl<const D: usize> Given<'_, D> {
         }
     }
 
+    /// A body does not move the walls of others.
+    fn check_weight_on_others(&self, body: &RigidBody<D>, bodies: &[RigidBody<D>]) -> Checked<()> {
+        if body.mesh.is_none() {
+            return Ok(());
+        }
+        let numbering = NodeNumbering::new(self.mesh, self.mesh.order());
+        let positions = numbering.positions(self.mesh);
+        for other in bodies.iter().filter(|other| other.name != body.name) {
+            let mut nodes = other.walls.iter().flat_map(|wall| numbering.on_boundary(self.mesh, *wall));
+            let weight = |node: usize| body.weight(&positions[node]).unwrap_or(0.0);
+            let Some(node) = nodes.find(|node| weight(*node).abs() > 1e-9) else { continue };
+            let problem = format!(
+                "the weight is {} at {:?}, on a wall of the body `{}`",
+                weight(node),
+                positions[node],
+                other.name
+            );
+            let key = key_of(&body.name).child("mesh");
+            return Err(self.checker.combination(&key, &problem, "a weight of zero on the walls of other bodies"));
+        }
+        Ok(())
+    }
+
     /// Weights are one on the walls of the body and finite everywhere.
     fn check_weights(&self, key: &Key, body: &RigidBody<D>) -> Checked<()> {
         if body.mesh.is_none() {
@@ -229,6 +256,14 @@ impl<const D: usize> Given<'_, D> {
                     return Err(self.checker.combination(&key, &problem, "a weight of one on the walls of the body"));
                 }
             }
+        }
+        if let Some([x, other]) = periodic_copies_apart(self.mesh, &numbering, 1e-9, |x| [weight(x)]) {
+            let problem = format!(
+                "the weight is {} at {x:?} and {} at {other:?}, the same point by periodicity",
+                weight(&x),
+                weight(&other)
+            );
+            return Err(self.checker.combination(&key, &problem, "a weight that is periodic like the mesh"));
         }
         Ok(())
     }

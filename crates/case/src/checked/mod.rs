@@ -1,5 +1,6 @@
 //! The checked case: plain enums and numbers, compiled formulas, the mesh.
 
+mod about;
 mod averages;
 mod bodies;
 mod boundary_data;
@@ -22,7 +23,9 @@ mod parts;
 mod probes;
 mod quadrature;
 mod resolved;
+mod sections;
 mod shared_nodes;
+mod sizes;
 mod slide;
 mod sliding_mesh;
 mod solver;
@@ -38,6 +41,7 @@ pub use super::raw::{
     AllowedChange, Analysis, Average, Damping, Fallback, Field, Integral, Jacobian, Plane, Preconditioner, Predictor,
     PseudoTime, Solver, Steady, SteadyBodies, StructureLaw,
 };
+pub use about::About;
 pub use averages::{Averages, Phases};
 pub use bodies::{FollowingMesh, Freedom, RigidBody};
 pub use boundary_data::{BoundaryData, Data};
@@ -55,7 +59,6 @@ pub use time::{Output, Time};
 
 use super::checker::{Checked, Checker, Sound};
 use super::consequences::Damage;
-use super::continuation::{as_toml, lasting};
 use super::document::Document;
 use super::error::{CaseError, Errors};
 use super::key::Key;
@@ -64,6 +67,7 @@ use super::reading::{self, Read};
 use crate::any_mesh::AnyMesh;
 // The crate, besides a module of the same name.
 use ::mesh as mesh_crate;
+use sections::{Dependent, Independent, Whole, WholeDependent, check_presence, check_together};
 use std::path::{Path, PathBuf};
 
 /// A case in two or three dimensions.
@@ -116,29 +120,6 @@ pub struct Case<const D: usize> {
     /// The averages over time.
     pub averages: Option<Averages>,
 }
-
-/// The description of a case, without its numbers.
-#[derive(Clone, Debug, PartialEq)]
-pub struct About {
-    /// The name of the file without its extension.
-    pub name: String,
-    /// A title in one line.
-    pub title: String,
-    /// The resolved case with all defaults and the contents of its tables, which can be run again.
-    pub resolved: String,
-    /// The part of `resolved` that the states of a run depend on: equal for cases that may continue each other.
-    pub lasting: String,
-    /// Every key that was left to its default, and the value taken.
-    pub defaults: Vec<(String, String)>,
-}
-
-/// From this order of the flow in three dimensions the low-order preconditioner takes less memory than blocks and no more time
-/// (docs/src/speed.md). At order 2 it takes 1.2 times as much time.
-const LOW_ORDER_FROM: usize = 3;
-
-/// With bodies that the flow moves, the low-order preconditioner takes four times the iterations of blocks, and twice the time. Blocks serve as
-/// long as they take fewer bytes than this.
-const MOST_BYTES_OF_BLOCKS: usize = 2_000_000_000;
 
 impl AnyCase {
     /// Reads and checks the case file at `path`, with `options`, each `key.path=value`, written over it.
@@ -270,240 +251,6 @@ impl<const D: usize> Case<D> {
     }
 }
 
-/// The sections of a case that depend on the mesh and the time, and not on each other. None stands for a section with an error.
-struct Independent<const D: usize> {
-    time: Option<Time>,
-    mesh: Option<mesh_crate::Mesh<D>>,
-    flow: Option<Option<Flow<D>>>,
-    structure: Option<Option<Structure<D>>>,
-    output: Option<Output>,
-}
-
-impl<const D: usize> Independent<D> {
-    fn check(checker: &Checker<'_>, raw: &raw::Case, mesh: mesh_crate::Mesh<D>, errors: &mut Errors) -> Self {
-        let time = errors.note(time::check(checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some()));
-        let time = time.filter(|_| !checker.damage().has("time"));
-        errors.note(solver::check(checker, &raw.solver));
-        let output = errors.note(time::check_output(checker, &raw.output));
-        let split = errors.note(parts::split(checker, raw.structure.as_ref(), raw.flow.is_some(), mesh));
-        let Some((mesh, part)) = split else {
-            return Independent { time, mesh: None, flow: None, structure: None, output };
-        };
-        let flow = raw.flow.as_ref().map(|flow| flow::check(checker, flow, &mesh, time.as_ref()));
-        let flow = errors.note(flow.transpose());
-        let structure = match (&raw.structure, &time) {
-            (None, _) => Some(None),
-            (Some(raw), Some(time)) => errors.note(structure::check(checker, raw, &mesh, part, time)).map(Some),
-            (Some(_), None) => None,
-        };
-        Independent { time, mesh: Some(mesh), flow, structure, output }
-    }
-
-    /// All sections, if all are correct.
-    fn whole(self) -> Option<Whole<D>> {
-        let Independent { time, mesh, flow, structure, output } = self;
-        Some(Whole { time: time?, mesh: mesh?, flow: flow?, structure: structure?, output: output? })
-    }
-}
-
-/// The correct sections of [`Independent`].
-struct Whole<const D: usize> {
-    time: Time,
-    mesh: mesh_crate::Mesh<D>,
-    flow: Option<Flow<D>>,
-    structure: Option<Structure<D>>,
-    output: Output,
-}
-
-/// The sections of a case that depend on those of [`Independent`]. None stands for a section with an error.
-struct Dependent<const D: usize> {
-    observed: Option<Observed<D>>,
-    averages: Option<Option<Averages>>,
-    bodies: Option<Vec<RigidBody<D>>>,
-    motion: Option<Option<Motion<D>>>,
-}
-
-impl<const D: usize> Dependent<D> {
-    fn check(checker: &Checker<'_>, raw: &raw::Case, independent: &Independent<D>, errors: &mut Errors) -> Self {
-        let mut found = Dependent { observed: None, averages: None, bodies: None, motion: None };
-        let Some(mesh) = &independent.mesh else { return found };
-        let flow = raw.flow.as_ref();
-        errors.note(surfaces::check(checker, raw.output.surfaces.as_ref(), flow, mesh.boundary_names()));
-        found.observed = errors.note(probes::check(checker, &raw.output, mesh, flow.map(|flow| flow.order)));
-        if let Some(time) = &independent.time {
-            let averages = averages::check(checker, raw.output.averages.as_ref(), mesh, time, flow.is_some());
-            found.averages = errors.note(averages);
-            found.bodies = Self::bodies(checker, raw, mesh, independent, time, errors);
-        }
-        found.motion = match found.movers(checker, independent, errors) {
-            Some((movers, time)) => errors.note(motion::check(checker, raw.motion.as_ref(), mesh, &movers, time)),
-            None => {
-                errors.note(motion::check_alone(checker, raw.motion.as_ref(), mesh));
-                None
-            }
-        };
-        found
-    }
-
-    fn bodies(
-        checker: &Checker<'_>,
-        raw: &raw::Case,
-        mesh: &mesh_crate::Mesh<D>,
-        independent: &Independent<D>,
-        time: &Time,
-        errors: &mut Errors,
-    ) -> Option<Vec<RigidBody<D>>> {
-        let flow = independent.flow.as_ref().and_then(Option::as_ref);
-        errors.note(bodies::check(checker, &raw.bodies, mesh, (raw.flow.is_some(), flow), time))
-    }
-
-    /// What moves walls, and the time; None if one of the sections that tell it has an error.
-    fn movers<'a>(
-        &self,
-        checker: &Checker<'_>,
-        independent: &'a Independent<D>,
-        errors: &mut Errors,
-    ) -> Option<(movers::Movers, &'a Time)> {
-        let Independent { time, mesh, flow, structure, .. } = independent;
-        let (time, bodies, structure) = (time.as_ref()?, self.bodies.as_ref()?, structure.as_ref()?);
-        // Only a structure needs the flow.
-        let flow = if structure.is_some() { flow.as_ref()?.as_ref() } else { None };
-        let movers = movers::Movers::new(checker, bodies, structure.as_ref(), flow, mesh.as_ref()?);
-        Some((errors.note(movers)?, time))
-    }
-
-    /// All sections, if all are correct.
-    fn whole(self) -> Option<WholeDependent<D>> {
-        let Dependent { observed, averages, bodies, motion } = self;
-        Some(WholeDependent { observed: observed?, averages: averages?, bodies: bodies?, motion: motion? })
-    }
-}
-
-/// The correct sections of [`Dependent`].
-struct WholeDependent<const D: usize> {
-    observed: Observed<D>,
-    averages: Option<Averages>,
-    bodies: Vec<RigidBody<D>>,
-    motion: Option<Motion<D>>,
-}
-
-/// Checks that the sections that are present belong together. Without a flow this is left until there are no other errors, which may say the same.
-fn check_presence<const D: usize>(
-    checker: &Checker<'_>,
-    raw: &raw::Case,
-    independent: &Independent<D>,
-    errors: &mut Errors,
-) {
-    let has_flow = raw.flow.is_some();
-    let Some(mesh) = independent.mesh.as_ref().filter(|_| has_flow || errors.is_empty()) else { return };
-    errors.note(parallel::check(checker, &raw.parallel, has_flow.then(|| mesh.n_cells())));
-    errors.note(parallel::check_solver_of_mesh(checker, raw));
-    errors.note(check_sections_of(checker, raw));
-}
-
-fn check_sections_of(checker: &Checker<'_>, raw: &raw::Case) -> Checked<()> {
-    let moves = raw.motion.is_some() || raw.bodies.values().any(|body| body.mesh.is_some());
-    check_sections(checker, [moves, raw.flow.is_some(), raw.structure.is_some()])?;
-    solver::check_bodies(checker, raw)?;
-    controls::need_a_flow(checker, &raw.controls, raw.flow.is_some())?;
-    time::check_fields_of_structure(checker, &raw.output.fields, raw.structure.is_some())?;
-    restart_needs_a_flow(checker, raw.restart.as_ref(), raw.flow.is_some())
-}
-
-/// Checks that sections, each of them correct, fit together.
-fn check_together<const D: usize>(
-    checker: &Checker<'_>,
-    Whole { time, mesh, flow, structure, .. }: &Whole<D>,
-    WholeDependent { motion, .. }: &WholeDependent<D>,
-) -> Checked<()> {
-    held_nodes::check(checker, structure.as_ref(), motion.as_ref(), mesh, time)?;
-    sliding_mesh::check_walls(checker, mesh, motion.as_ref(), flow.as_ref())
-}
-
-/// Only a flow starts from the result of another run.
-fn restart_needs_a_flow(checker: &Checker<'_>, raw: Option<&raw::Restart>, has_flow: bool) -> Checked<()> {
-    if raw.is_none() || has_flow {
-        return Ok(());
-    }
-    let problem = "only a flow can start where another run stands";
-    Err(checker.combination(&Key::new("restart"), problem, "this section together with [flow]"))
-}
-
-impl<const D: usize> Case<D> {
-    /// Whether this difference to the case of the earlier run is allowed.
-    pub fn allows(&self, change: AllowedChange) -> bool {
-        self.allowed_changes.contains(&change)
-    }
-
-    /// The unknown displacements of a slab: the components at the nodes of an elastic mesh that no boundary prescribes.
-    pub fn mesh_unknowns(&self) -> Option<usize> {
-        let Some(Motion::Elastic { slides, .. }) = &self.motion else { return None };
-        let numbering = mesh_crate::NodeNumbering::new(&self.mesh, self.mesh.order());
-        let constrained = constrained(&self.mesh, &numbering, slides);
-        Some(constrained.as_flattened().iter().filter(|constrained| !**constrained).count() * self.time.order)
-    }
-
-    /// The preconditioner of the flow in slabs: the given one, or the cheapest in time and memory.
-    pub fn preconditioner(&self) -> Preconditioner {
-        let order = self.flow.as_ref().map_or(0, |flow| flow.order);
-        let needs_blocks = self.has_moved_bodies() && self.bytes_of_blocks() <= MOST_BYTES_OF_BLOCKS;
-        let cheapest = match D == 3 && order >= LOW_ORDER_FROM && !needs_blocks {
-            true => Preconditioner::LowOrder,
-            false => Preconditioner::Blocks,
-        };
-        self.solver.preconditioner.unwrap_or(cheapest)
-    }
-
-    /// Whether there are bodies or structures that the flow moves.
-    pub fn has_moved_bodies(&self) -> bool {
-        self.flow.is_some() && (!self.bodies.is_empty() || self.structure.is_some())
-    }
-
-    /// About the bytes of the preconditioner by blocks: the square of the unknowns of each cell, in single precision for the Jacobian and in
-    /// half precision for every factor.
-    fn bytes_of_blocks(&self) -> usize {
-        let block = self.flow.as_ref().map_or(0, |flow| flow.order.pow(D as u32) * (D + 2));
-        self.mesh.n_cells() * block * block * (4 + 2 * self.time.order)
-    }
-
-    /// Unknowns of the flow in a slab, 0 without a flow.
-    pub fn flow_unknowns(&self) -> usize {
-        let per_cell = self.flow.as_ref().map_or(0, |flow| flow.order.pow(D as u32) * (D + 2));
-        self.mesh.n_cells() * per_cell * self.time.order
-    }
-}
-
-/// Whether the present sections among [motion], [flow] and [structure] fit together.
-fn check_sections(checker: &Checker<'_>, sections: [bool; 3]) -> Checked<()> {
-    match sections {
-        [false, false, false] => {
-            let problem = "there is nothing to solve: neither motion nor flow nor structure";
-            let accepted = "a section [motion], a section [flow], or both; or a section [structure]";
-            Err(checker.combination(&Key::default(), problem, accepted))
-        }
-        [true, false, true] => {
-            let problem = "a structure without a flow moves by itself: there is no other mesh to move";
-            let accepted = "this section together with [flow], or no [motion]";
-            Err(checker.combination(&Key::new("structure"), problem, accepted))
-        }
-        _ => Ok(()),
-    }
-}
-
-impl About {
-    fn new(checker: &Checker<'_>, document: &Document, raw: &raw::Case) -> Self {
-        let name = document.path().file_stem().map_or_else(|| "case".into(), |stem| stem.to_string_lossy());
-        let whole = raw::Case { tables: tables::written_out(checker, &raw.tables), ..raw.clone() };
-        About {
-            name: name.into_owned(),
-            title: raw.title.clone(),
-            resolved: as_toml(&whole),
-            lasting: as_toml(&lasting(&whole)),
-            defaults: defaults_taken(document, raw).into_iter().chain(checker.noted_defaults()).collect(),
-        }
-    }
-}
-
 /// A checker of `raw`, with its constants, tables and controls that have no error, and the errors of the others.
 fn checker_of<'a>(document: &'a Document, raw: &raw::Case, damage: Damage) -> Sound<'a> {
     let Sound { mut checker, mut errors } = Checker::of_constants(document, &raw.constants, damage);
@@ -523,30 +270,6 @@ fn checker_of<'a>(document: &'a Document, raw: &raw::Case, damage: Damage) -> So
         }
     }
     Sound { checker, errors }
-}
-
-/// The keys of the resolved case that are not in the document.
-fn defaults_taken(document: &Document, raw: &raw::Case) -> Vec<(String, String)> {
-    let full =
-        toml::Value::try_from(raw).expect("a case consists of tables, arrays, texts and numbers, which TOML can write");
-    let mut defaults = Vec::new();
-    collect_defaults(document, &Key::default(), &full, &mut defaults);
-    defaults
-}
-
-fn collect_defaults(document: &Document, key: &Key, value: &toml::Value, defaults: &mut Vec<(String, String)>) {
-    match value {
-        toml::Value::Table(table) => {
-            table.iter().for_each(|(name, value)| collect_defaults(document, &key.child(name), value, defaults));
-        }
-        toml::Value::String(text) if text.is_empty() => {}
-        _ if document.position(key).is_none() => {
-            // Rust writes small numbers shorter than TOML does.
-            let text = value.as_float().map_or_else(|| value.to_string(), |number| format!("{number:?}"));
-            defaults.push((key.to_string(), text));
-        }
-        _ => {}
-    }
 }
 
 /// The unit vector along the axis of `what`, which exists only in three dimensions.

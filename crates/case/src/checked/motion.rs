@@ -3,8 +3,9 @@
 use super::Time;
 use super::boundary_motion::{Boundaries, check_formulas};
 use super::displacement::check_displacement;
-use super::mesh_crate::Mesh;
+use super::mesh_crate::{Mesh, NodeNumbering};
 use super::movers::Movers;
+use super::shared_nodes::periodic_copies_apart;
 use super::sliding_mesh::{Held, check_held};
 use crate::boundary_motion::BoundaryMotion;
 use crate::cause::Cause;
@@ -156,7 +157,30 @@ fn check_given<const D: usize>(
         let mut all = mesh.coordinates().chunks_exact(D).map(position);
         all.try_for_each(|x| check_displacement(checker, &key, &x, &displacement.evaluate(&x, t), t, size))?;
     }
+    check_periodicity(checker, &key, &displacement, mesh, time)?;
     Ok(Motion::Prescribed(displacement))
+}
+
+/// A displacement has the period of the mesh: periodic boundaries share their nodes.
+fn check_periodicity<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    displacement: &Vector<D>,
+    mesh: &Mesh<D>,
+    time: &Time,
+) -> Checked<()> {
+    let numbering = NodeNumbering::new(mesh, mesh.order());
+    for t in time.check_times() {
+        let at = |x: &[f64; D]| displacement.evaluate(x, t);
+        let Some([one, other]) = periodic_copies_apart(mesh, &numbering, 1e-9 * mesh.diameter(), at) else { continue };
+        let problem = format!(
+            "the displacement is not periodic: {one:?} and {other:?} are one node of the mesh, but move by {:.6?} and by {:.6?} until t = {t}",
+            at(&one),
+            at(&other)
+        );
+        return Err(checker.combination(key, &problem, "a displacement with the period of the mesh"));
+    }
+    Ok(())
 }
 
 /// Walls that something moves have no other motion, and do not slide.
@@ -173,7 +197,8 @@ fn check_walls<const D: usize>(
     if let Some((mover, wall)) = moved.next() {
         let name = &mesh.boundary_names()[wall];
         let problem = format!("boundary `{name}` is moved by {mover}");
-        return Err(checker.combination(&key.child("boundary").child(name), &problem, "\"fixed\", or no such key"));
+        let accepted = format!("\"fixed\", to which {mover} adds its motion");
+        return Err(checker.combination(&key.child("boundary").child(name), &problem, &accepted));
     }
     Ok(motion)
 }

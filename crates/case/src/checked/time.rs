@@ -39,7 +39,7 @@ impl Time {
     /// The slabs.
     pub fn schedule(&self) -> Schedule {
         let Time { start, end, step, slabs, control, .. } = *self;
-        Schedule { start, end, step, slabs, control }
+        Schedule { start, end, step, slabs, control, begins: Vec::new() }
     }
 }
 

@@ -11,7 +11,6 @@ use crate::state::{Interval, State};
 use fem::{Bottom, Clock, SlabEnd, SlabOperator, Violation};
 use newton_krylov::inner_product::{self, axpy};
 use newton_krylov::problem::Inadmissible;
-use std::ops::Range;
 
 /// What a solve has cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -172,11 +171,8 @@ pub(crate) fn totals_at<const D: usize, const M: usize>(
     u: &[f64],
     end: SlabEnd,
 ) -> Vec<f64> {
-    let one = flow.layout.at_one_time();
-    let mut mass_product = vec![0.0; one.len()];
-    flow.mass_product(u, end, &mut mass_product);
-    let in_cell = |row: Range<usize>| mass_product[row].iter().sum::<f64>();
-    let of_cells = |m: usize| one.component(m).map(in_cell).collect::<Vec<f64>>();
+    let integrals = flow.integrals(u, end);
+    let of_cells = |m: usize| integrals.iter().skip(m).step_by(M).copied().collect::<Vec<f64>>();
     let component = |m: usize| inner_product::sum_over_blocks(&of_cells(m), &flow.share.ends, &flow.share.sums);
     (0..M).map(component).collect()
 }

@@ -299,6 +299,20 @@ impl<const D: usize> Body for RigidBody<D> {
         self.set_rates(z, exchange);
     }
 
+    fn write_velocity_at_top(&self, z: &[f64], velocity: &mut [f64]) {
+        let (count, top) = (self.count(), self.slab.clock.time(1.0));
+        let q = self.positions(z);
+        let [q, rates] = [&q, z].map(|of_nodes| &of_nodes[of_nodes.len() - count..]);
+        let mut rates = rates.to_vec();
+        for k in self.driven() {
+            let exact = self.data.coordinates[k].drive.as_ref().map(|drive| (drive.rate)(top));
+            exact.filter(|rate| rate.is_finite()).into_iter().for_each(|rate| rates[k] = rate);
+        }
+        let of_surface = derivatives(&self.surface.displacement(&self.data, &along(q, &rates)));
+        self.surface.nodes.iter().for_each(|node| velocity[node.node * D..(node.node + 1) * D].fill(0.0));
+        self.surface.add_to_field(&of_surface, velocity);
+    }
+
     fn end_slab(&mut self, z: &[f64], stored: &mut Vec<f64>) {
         let (count, n) = (self.count(), self.time().order());
         let ledger = self.closed(z, Ledger::read(&stored[2 * count..]));

@@ -85,7 +85,7 @@ pub fn find_equilibrium<const D: usize, const M: usize>(
 ) -> Result<Equilibrium<M>, NoEquilibrium> {
     let (start, first) = (march.state.time, march.state.step);
     march.solver.system.hold_time(start);
-    march.schedule.end = f64::INFINITY;
+    (march.schedule.end, march.schedule.begins) = (f64::INFINITY, Vec::new());
     march.adapt(StepControl { tolerance: f64::INFINITY, smallest: SHORTEST * first, largest: LONGEST * first });
     // The jump is an L2 norm over the domain.
     let mut largest_jump = SMALL * march.solver.system.mover().reference.volume().sqrt();

@@ -96,7 +96,8 @@ fn march<const D: usize, const M: usize>(search: &Search<'_, D, M>, u: &[f64], s
     let (mut problem, _) = (search.discretise)(Discretisation { time_order: 2, ..search.own() });
     problem.hold_time(search.time);
     let end = search.time + duration(search, slabs);
-    let schedule = Schedule { start: search.time, end, step: duration(search, 1), slabs, control: None };
+    let schedule =
+        Schedule { start: search.time, end, step: duration(search, 1), slabs, control: None, begins: Vec::new() };
     let newton = newton::Settings { relative_tolerance: 1e-3, ..newton::Settings::default() };
     let settings =
         Settings { schedule, newton, predictor: Predictor::Elastic, jacobian: Jacobian::Exact, max_halvings: 4 };

@@ -15,7 +15,7 @@ use crate::opening_states::{FacePoints, by_node, dot_of};
 use basis::Rule;
 use case::{BoundaryData, Flow, Wall};
 use coupled::MeshMover;
-use fem::{BoundaryPoint, ConservationLaw, Inside, PointFlux};
+use fem::{BoundaryPoint, ConservationLaw, Inside, PointFlux, Quadrature, Sampler};
 use mesh::{BoundaryFacet, axis_and_side, outward_area, outward_sign};
 use navier_stokes::{Boundary, NavierStokes, Primitive};
 use output::ArraySpec;
@@ -39,6 +39,9 @@ pub struct SurfaceFlow<'a, const D: usize> {
     /// The quadrature of the scheme in one direction.
     pub rule: &'a Rule,
 }
+
+/// From the nodes of a cell of the mesh to those that the scheme sees, `[component][node]`.
+type Seen<'a> = dyn Fn(Vec<f64>) -> Vec<f64> + 'a;
 
 /// The parts of the flux out of the domain at a point, per area.
 struct WallFlux<const D: usize> {
@@ -71,14 +74,22 @@ impl<const D: usize> SurfaceFlow<'_, D> {
     {
         let mesh = &self.mover.reference;
         let fractions = mesh.arc_fractions(&self.mover.numbering, wall.boundary).unwrap_or_default();
-        let orders = [self.flow.order, mesh.order()];
+        let orders = [self.flow.order, self.mesh_order()];
         let faces: Vec<FacePoints<D>> = (0..2 * D).map(|face| FacePoints::with_rule(face, orders, self.rule)).collect();
+        let on_arc: Vec<FacePoints<D>> =
+            (0..2 * D).map(|face| FacePoints::with_rule(face, [2, mesh.order()], self.rule)).collect();
+        let nodes = basis::gauss_lobatto(self.mesh_order()).points;
+        let interpolation = Sampler::<D>::new(self.flow.order, mesh.order(), &nodes);
+        let interpolated = |nodal: Vec<f64>| interpolation.positions(&nodal);
+        let seen: &Seen = if nodes.len() == mesh.order() { &|nodal| nodal } else { &interpolated };
         let of_wall = mesh.boundary_facets().iter().filter(|facet| facet.boundary == wall.boundary);
         let facets: Vec<BoundaryFacet> = of_wall.copied().collect();
         let up_to_points = curve::integrals(self.rule);
         let (mut values, mut length) = (Vec::new(), 0.0);
         for facet in curve::in_order(mesh, &self.mover.numbering, &facets) {
-            let mut rows = self.of_facet::<M>(wall, &facets[facet], &faces[facets[facet].side.face], &fractions);
+            let face = facets[facet].side.face;
+            let mut rows = self.of_facet::<M>(wall, &facets[facet], &faces[face], seen);
+            self.add_fractions(facets[facet].side.cell, &on_arc[face], &fractions, &mut rows);
             if D == 2 {
                 if curve::is_reversed(facets[facet].side.face) {
                     rows.reverse();
@@ -91,6 +102,29 @@ impl<const D: usize> SurfaceFlow<'_, D> {
         let points = self.rule.points.len().pow(D as u32 - 1);
         let axes = [("facet", facets.len()), ("point", points), ("column", numbers)];
         (ArraySpec::new(&surface_name(&wall.name), &axes), values)
+    }
+
+    /// The order of the mesh that the scheme sees: collocated rules interpolate it at the nodes of the flow.
+    fn mesh_order(&self) -> usize {
+        let order = self.mover.reference.order();
+        match self.flow.quadrature {
+            Quadrature::Collocated(_) => order.min(self.flow.order),
+            _ => order,
+        }
+    }
+
+    /// Puts the fraction of the arc into the rows of a facet of `cell`.
+    fn add_fractions(
+        &self,
+        cell: usize,
+        points: &FacePoints<D>,
+        fractions: &BTreeMap<usize, f64>,
+        rows: &mut [Vec<f64>],
+    ) {
+        let nodes = self.mover.numbering.cell(cell);
+        for (row, [_, of_mesh]) in rows.iter_mut().zip(&points.functions) {
+            row[0] = along_arc(nodes.iter().map(|node| fractions.get(node).copied()), of_mesh);
+        }
     }
 
     /// Puts the arc length into the rows of a facet that begins at `start`; returns that at its end.
@@ -109,21 +143,23 @@ impl<const D: usize> SurfaceFlow<'_, D> {
         wall: &Wall<D>,
         facet: &BoundaryFacet,
         points: &FacePoints<D>,
-        fractions: &BTreeMap<usize, f64>,
+        seen: &Seen,
     ) -> Vec<Vec<f64>>
     where
         NavierStokes<D>: ConservationLaw<D, M, Boundary = Boundary<D>>,
     {
         let (cell, face) = (facet.side.cell, facet.side.face);
-        let nodal = by_node::<D>(&self.mover.cell_positions(cell, self.displacement));
+        let nodes = self.mover.numbering.cell(cell);
+        let nodal = by_node::<D>(&seen(self.mover.cell_positions(cell, self.displacement)));
+        let velocity = seen((0..D).flat_map(|i| nodes.iter().map(move |node| self.velocity[node * D + i])).collect());
         let (x, jacobians) = (points.map.positions(&nodal), points.map.jacobians(&nodal));
-        let (nodes, coefficients) = (self.mover.numbering.cell(cell), (self.state)(cell));
+        let coefficients = (self.state)(cell);
         let at = |p: usize| {
             let [of_flow, of_mesh] = &points.functions[p];
             let value = |m: usize, functions: &[f64]| dot_of(&coefficients[m * functions.len()..], functions);
             let slopes: [[f64; M]; D] =
                 std::array::from_fn(|j| std::array::from_fn(|m| value(m, &points.slopes[p][j])));
-            let moved = |i: usize| nodes.iter().zip(of_mesh).map(|(node, phi)| phi * self.velocity[node * D + i]).sum();
+            let moved = |i: usize| dot_of(&velocity[i * of_mesh.len()..], of_mesh);
             let here = Here {
                 wall,
                 face,
@@ -133,8 +169,7 @@ impl<const D: usize> SurfaceFlow<'_, D> {
                 jacobian: jacobians[p],
                 velocity: std::array::from_fn(moved),
             };
-            let s = along_arc(nodes.iter().map(|node| fractions.get(node).copied()), of_mesh);
-            let along: &[f64] = if D == 2 { &[s, 0.0] } else { &[s] };
+            let along: &[f64] = if D == 2 { &[0.0; 2] } else { &[0.0] };
             [along, &x[p], &self.values(&here, points.weights[p])].concat()
         };
         (0..points.weights.len()).map(at).collect()

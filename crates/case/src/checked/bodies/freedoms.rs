@@ -1,6 +1,7 @@
 //! The coordinates of a rigid body.
 
 use super::{Direction, Freedom, Given};
+use crate::checked::Time;
 use crate::checked::inertia::{self, COMPONENTS};
 use crate::checked::unit_axis;
 use crate::checker::Checked;
@@ -83,6 +84,12 @@ impl<const D: usize> Given<'_, D> {
                 accepted,
             ));
         }
+        let rate = number("rate", &raw.rate)?;
+        if motion.is_some() && rate != 0.0 {
+            let problem = "`rate` has no effect: the motion of the coordinate tells its rate at the start";
+            return Err(checker.combination(&key.child("rate"), problem, "one of the two: remove the other"));
+        }
+        raw.release.map_or(Ok(()), |release| self.check_release(&key.child("release"), release))?;
         let stops = raw.stops.map(|raw::Stops { lower, upper, stiffness }| Stops { lower, upper, stiffness });
         Ok(Freedom {
             name,
@@ -91,11 +98,20 @@ impl<const D: usize> Given<'_, D> {
             cubic_spring: number("cubic_spring", &raw.cubic_spring)?,
             rest: number("rest", &raw.rest)?,
             damping: number("damping", &raw.damping)?,
-            rate: number("rate", &raw.rate)?,
+            rate,
             stops,
             motion,
             release: raw.release,
         })
+    }
+
+    /// A slab begins where a drive ends. Adapted slabs are cut there.
+    fn check_release(&self, key: &Key, release: f64) -> Checked<()> {
+        let Time { start, step, control, .. } = *self.time;
+        let slabs = (release - start) / step;
+        let meets = control.is_some() || !slabs.is_finite() || (slabs - slabs.round()).abs() <= 1e-6;
+        let accepted = format!("a time at which a slab begins: one of every {step} from {start} on");
+        self.checker.require(key, &format!("the release at t = {release}"), meets, &accepted)
     }
 
     /// A prescribed coordinate starts at zero and has a value over the whole run.

@@ -36,6 +36,8 @@ pub struct Stops {
 pub struct Drive {
     /// The coordinate as a function of time.
     pub position: Arc<dyn Fn(f64) -> f64 + Send + Sync>,
+    /// Its rate.
+    pub rate: Arc<dyn Fn(f64) -> f64 + Send + Sync>,
     /// The time when the drive ends and the coordinate becomes free, if it does.
     pub release: Option<f64>,
 }

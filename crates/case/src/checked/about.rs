@@ -1,0 +1,61 @@
+//! The description of a case.
+
+use super::tables;
+use crate::checker::Checker;
+use crate::continuation::{as_toml, lasting};
+use crate::document::Document;
+use crate::key::Key;
+use crate::raw;
+
+/// The description of a case, without its numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct About {
+    /// The name of the file without its extension.
+    pub name: String,
+    /// A title in one line.
+    pub title: String,
+    /// The resolved case with all defaults and the contents of its tables, which can be run again.
+    pub resolved: String,
+    /// The part of `resolved` that the states of a run depend on: equal for cases that may continue each other.
+    pub lasting: String,
+    /// Every key that was left to its default, and the value taken.
+    pub defaults: Vec<(String, String)>,
+}
+
+impl About {
+    pub(super) fn new(checker: &Checker<'_>, document: &Document, raw: &raw::Case) -> Self {
+        let name = document.path().file_stem().map_or_else(|| "case".into(), |stem| stem.to_string_lossy());
+        let whole = raw::Case { tables: tables::written_out(checker, &raw.tables), ..raw.clone() };
+        About {
+            name: name.into_owned(),
+            title: raw.title.clone(),
+            resolved: as_toml(&whole),
+            lasting: as_toml(&lasting(&whole)),
+            defaults: defaults_taken(document, raw).into_iter().chain(checker.noted_defaults()).collect(),
+        }
+    }
+}
+
+/// The keys of the resolved case that are not in the document.
+fn defaults_taken(document: &Document, raw: &raw::Case) -> Vec<(String, String)> {
+    let full =
+        toml::Value::try_from(raw).expect("a case consists of tables, arrays, texts and numbers, which TOML can write");
+    let mut defaults = Vec::new();
+    collect_defaults(document, &Key::default(), &full, &mut defaults);
+    defaults
+}
+
+fn collect_defaults(document: &Document, key: &Key, value: &toml::Value, defaults: &mut Vec<(String, String)>) {
+    match value {
+        toml::Value::Table(table) => {
+            table.iter().for_each(|(name, value)| collect_defaults(document, &key.child(name), value, defaults));
+        }
+        toml::Value::String(text) if text.is_empty() => {}
+        _ if document.position(key).is_none() => {
+            // Rust writes small numbers shorter than TOML does.
+            let text = value.as_float().map_or_else(|| value.to_string(), |number| format!("{number:?}"));
+            defaults.push((key.to_string(), text));
+        }
+        _ => {}
+    }
+}

@@ -1,0 +1,212 @@
+//! The sections of a case in the order in which they can be checked, and whether they belong together.
+
+use super::{
+    Averages, Flow, Motion, Observed, Output, RigidBody, Structure, Time, averages, bodies, controls, flow, held_nodes,
+    motion, movers, parallel, parts, probes, sliding_mesh, solver, structure, surfaces, time,
+};
+use crate::checker::{Checked, Checker};
+use crate::error::Errors;
+use crate::key::Key;
+use crate::raw;
+use ::mesh as mesh_crate;
+
+/// The sections of a case that depend on the mesh and the time, and not on each other. None stands for a section with an error.
+pub(super) struct Independent<const D: usize> {
+    pub(super) time: Option<Time>,
+    pub(super) mesh: Option<mesh_crate::Mesh<D>>,
+    pub(super) flow: Option<Option<Flow<D>>>,
+    pub(super) structure: Option<Option<Structure<D>>>,
+    pub(super) output: Option<Output>,
+}
+
+impl<const D: usize> Independent<D> {
+    pub(super) fn check(
+        checker: &Checker<'_>,
+        raw: &raw::Case,
+        mesh: mesh_crate::Mesh<D>,
+        errors: &mut Errors,
+    ) -> Self {
+        let time = errors.note(time::check(checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some()));
+        let time = time.filter(|_| !checker.damage().has("time"));
+        errors.note(solver::check(checker, &raw.solver));
+        let output = errors.note(time::check_output(checker, &raw.output));
+        let split = errors.note(parts::split(checker, raw.structure.as_ref(), raw.flow.is_some(), mesh));
+        let Some((mesh, part)) = split else {
+            return Independent { time, mesh: None, flow: None, structure: None, output };
+        };
+        let flow = raw.flow.as_ref().map(|flow| flow::check(checker, flow, &mesh, time.as_ref()));
+        let flow = errors.note(flow.transpose());
+        let structure = match (&raw.structure, &time) {
+            (None, _) => Some(None),
+            (Some(raw), Some(time)) => errors.note(structure::check(checker, raw, &mesh, part, time)).map(Some),
+            (Some(_), None) => None,
+        };
+        Independent { time, mesh: Some(mesh), flow, structure, output }
+    }
+
+    /// All sections, if all are correct.
+    pub(super) fn whole(self) -> Option<Whole<D>> {
+        let Independent { time, mesh, flow, structure, output } = self;
+        Some(Whole { time: time?, mesh: mesh?, flow: flow?, structure: structure?, output: output? })
+    }
+}
+
+/// The correct sections of [`Independent`].
+pub(super) struct Whole<const D: usize> {
+    pub(super) time: Time,
+    pub(super) mesh: mesh_crate::Mesh<D>,
+    pub(super) flow: Option<Flow<D>>,
+    pub(super) structure: Option<Structure<D>>,
+    pub(super) output: Output,
+}
+
+/// The sections of a case that depend on those of [`Independent`]. None stands for a section with an error.
+pub(super) struct Dependent<const D: usize> {
+    pub(super) observed: Option<Observed<D>>,
+    pub(super) averages: Option<Option<Averages>>,
+    pub(super) bodies: Option<Vec<RigidBody<D>>>,
+    pub(super) motion: Option<Option<Motion<D>>>,
+}
+
+impl<const D: usize> Dependent<D> {
+    pub(super) fn check(
+        checker: &Checker<'_>,
+        raw: &raw::Case,
+        independent: &Independent<D>,
+        errors: &mut Errors,
+    ) -> Self {
+        let mut found = Dependent { observed: None, averages: None, bodies: None, motion: None };
+        let Some(mesh) = &independent.mesh else { return found };
+        let flow = raw.flow.as_ref();
+        errors.note(surfaces::check(checker, raw.output.surfaces.as_ref(), flow, mesh.boundary_names()));
+        found.observed = errors.note(probes::check(checker, &raw.output, mesh, flow.map(|flow| flow.order)));
+        if let Some(time) = &independent.time {
+            let averages = averages::check(checker, raw.output.averages.as_ref(), mesh, time, flow.is_some());
+            found.averages = errors.note(averages);
+            found.bodies = Self::bodies(checker, raw, mesh, independent, time, errors);
+        }
+        found.motion = match found.movers(checker, independent, errors) {
+            Some((movers, time)) => errors.note(motion::check(checker, raw.motion.as_ref(), mesh, &movers, time)),
+            None => {
+                errors.note(motion::check_alone(checker, raw.motion.as_ref(), mesh));
+                None
+            }
+        };
+        found
+    }
+
+    fn bodies(
+        checker: &Checker<'_>,
+        raw: &raw::Case,
+        mesh: &mesh_crate::Mesh<D>,
+        independent: &Independent<D>,
+        time: &Time,
+        errors: &mut Errors,
+    ) -> Option<Vec<RigidBody<D>>> {
+        let flow = independent.flow.as_ref().and_then(Option::as_ref);
+        errors.note(bodies::check(checker, &raw.bodies, mesh, (raw.flow.is_some(), flow), time))
+    }
+
+    /// What moves walls, and the time; None if one of the sections that tell it has an error.
+    fn movers<'a>(
+        &self,
+        checker: &Checker<'_>,
+        independent: &'a Independent<D>,
+        errors: &mut Errors,
+    ) -> Option<(movers::Movers, &'a Time)> {
+        let Independent { time, mesh, flow, structure, .. } = independent;
+        let (time, bodies, structure) = (time.as_ref()?, self.bodies.as_ref()?, structure.as_ref()?);
+        // Only a structure needs the flow.
+        let flow = if structure.is_some() { flow.as_ref()?.as_ref() } else { None };
+        let movers = movers::Movers::new(checker, bodies, structure.as_ref(), flow, mesh.as_ref()?);
+        Some((errors.note(movers)?, time))
+    }
+
+    /// All sections, if all are correct.
+    pub(super) fn whole(self) -> Option<WholeDependent<D>> {
+        let Dependent { observed, averages, bodies, motion } = self;
+        Some(WholeDependent { observed: observed?, averages: averages?, bodies: bodies?, motion: motion? })
+    }
+}
+
+/// The correct sections of [`Dependent`].
+pub(super) struct WholeDependent<const D: usize> {
+    pub(super) observed: Observed<D>,
+    pub(super) averages: Option<Averages>,
+    pub(super) bodies: Vec<RigidBody<D>>,
+    pub(super) motion: Option<Motion<D>>,
+}
+
+/// Checks that the sections that are present belong together. Without a flow this is left until there are no other errors, which may say the same.
+pub(super) fn check_presence<const D: usize>(
+    checker: &Checker<'_>,
+    raw: &raw::Case,
+    independent: &Independent<D>,
+    errors: &mut Errors,
+) {
+    let has_flow = raw.flow.is_some();
+    let Some(mesh) = independent.mesh.as_ref().filter(|_| has_flow || errors.is_empty()) else { return };
+    errors.note(parallel::check(checker, &raw.parallel, has_flow.then(|| mesh.n_cells())));
+    errors.note(parallel::check_solver_of_mesh(checker, raw));
+    errors.note(check_sections_of(checker, raw));
+}
+
+fn check_sections_of(checker: &Checker<'_>, raw: &raw::Case) -> Checked<()> {
+    let moves = raw.motion.is_some() || raw.bodies.values().any(|body| body.mesh.is_some());
+    check_sections(checker, [moves, raw.flow.is_some(), raw.structure.is_some()])?;
+    solver::check_bodies(checker, raw)?;
+    frame_is_at_rest(checker, raw)?;
+    controls::need_a_flow(checker, &raw.controls, raw.flow.is_some())?;
+    time::check_fields_of_structure(checker, &raw.output.fields, raw.structure.is_some())?;
+    restart_needs_a_flow(checker, raw.restart.as_ref(), raw.flow.is_some())
+}
+
+/// Checks that sections, each of them correct, fit together.
+pub(super) fn check_together<const D: usize>(
+    checker: &Checker<'_>,
+    Whole { time, mesh, flow, structure, .. }: &Whole<D>,
+    WholeDependent { motion, .. }: &WholeDependent<D>,
+) -> Checked<()> {
+    held_nodes::check(checker, structure.as_ref(), motion.as_ref(), mesh, time)?;
+    sliding_mesh::check_walls(checker, mesh, motion.as_ref(), flow.as_ref())
+}
+
+/// The equations of bodies and structures have no forces of a rotating frame.
+fn frame_is_at_rest(checker: &Checker<'_>, raw: &raw::Case) -> Checked<()> {
+    let rotates = raw.flow.as_ref().is_some_and(|flow| flow.rotation.is_some());
+    if !rotates || (raw.bodies.is_empty() && raw.structure.is_none()) {
+        return Ok(());
+    }
+    let problem = "bodies and structures do not feel the centrifugal and Coriolis forces of a rotating frame";
+    Err(checker.combination(
+        &Key::new("flow").child("rotation"),
+        problem,
+        "a frame at rest, or a flow without [bodies] and [structure]",
+    ))
+}
+
+/// Only a flow starts from the result of another run.
+fn restart_needs_a_flow(checker: &Checker<'_>, raw: Option<&raw::Restart>, has_flow: bool) -> Checked<()> {
+    if raw.is_none() || has_flow {
+        return Ok(());
+    }
+    let problem = "only a flow can start where another run stands";
+    Err(checker.combination(&Key::new("restart"), problem, "this section together with [flow]"))
+}
+
+/// Whether the present sections among [motion], [flow] and [structure] fit together.
+fn check_sections(checker: &Checker<'_>, sections: [bool; 3]) -> Checked<()> {
+    match sections {
+        [false, false, false] => {
+            let problem = "there is nothing to solve: neither motion nor flow nor structure";
+            let accepted = "a section [motion], a section [flow], or both; or a section [structure]";
+            Err(checker.combination(&Key::default(), problem, accepted))
+        }
+        [true, false, true] => {
+            let problem = "a structure without a flow moves by itself: there is no other mesh to move";
+            let accepted = "this section together with [flow], or no [motion]";
+            Err(checker.combination(&Key::new("structure"), problem, accepted))
+        }
+        _ => Ok(()),
+    }
+}
