@@ -2,6 +2,7 @@
 
 use crate::expression::{Ends, Table, is_taken_at_time_alone};
 use crate::raw::{self, Case};
+use coupled::rounded_time;
 use std::fmt;
 
 /// Two splines agree if they differ by less than this part of their largest value: round-off.
@@ -45,7 +46,7 @@ pub struct LongerTable {
 impl fmt::Display for LongerTable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let LongerTable { name, points_between, is_of_time, .. } = self;
-        let [reached, end] = [self.reached, self.former_end].map(in_a_sentence);
+        let [reached, end] = [self.reached, self.former_end].map(rounded_time);
         if !is_of_time {
             return write!(
                 f,
@@ -61,11 +62,6 @@ impl fmt::Display for LongerTable {
     }
 }
 
-/// A time without the digits that are round-off.
-fn in_a_sentence(time: f64) -> f64 {
-    format!("{time:.9e}").parse().unwrap_or(time)
-}
-
 /// The tables of `now` that are those of `before` with more points at the end, and are not the same up to the time `reached`.
 pub(super) fn longer(now: &Case, before: &Case, reached: f64) -> Vec<LongerTable> {
     let table = |(name, table): (&String, &raw::Table)| {
@@ -75,7 +71,7 @@ pub(super) fn longer(now: &Case, before: &Case, reached: f64) -> Vec<LongerTable
             reached,
             former_end: *former.last()?,
             // A point at the checkpoint is not after it, whatever its last digits.
-            points_between: former.iter().filter(|t| in_a_sentence(**t) > in_a_sentence(reached)).count(),
+            points_between: former.iter().filter(|t| rounded_time(**t) > rounded_time(reached)).count(),
             is_of_time: is_of_time(now, name),
         })
     };

@@ -18,6 +18,7 @@ mod parts;
 pub use agreement::agree;
 pub use orders::Orders;
 
+use super::history::require_distinct_columns;
 use super::memory_estimate::require_memory;
 use super::{Failure, build, checkpoint, controls, fallback};
 use agreement::{digest, first_other};
@@ -213,6 +214,7 @@ where
     Manufactured<State<D>, D>: StateField<D, M>,
 {
     agree(&**communicator, require_memory(case, communicator.rank(), communicator.size()))?;
+    agree(&**communicator, require_distinct_columns(case))?;
     agree(&**communicator, march_of_share(case, flow, communicator).map_err(Failure::BadInput))
 }
 

@@ -5,6 +5,7 @@ use super::openings::is_opening;
 use super::statistics::{EnergyBalance, RunStatistics};
 use super::walls::{WallLoads, from_numbers};
 use super::{opening_states, probes};
+use crate::error::Failure;
 use case::{Case, Flow, Integral, Structure, Wall};
 use coupled::block::BodyState;
 use coupled::{Interval, MeshQuality, SlabReport, StructureReport};
@@ -63,6 +64,20 @@ pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
     columns.extend(case.output.integrals.iter().map(|integral| integral_name(*integral).to_owned()));
     columns.extend(case.controls.iter().map(|control| format!("control_{}", control.name)));
     columns
+}
+
+/// Every column has a name of its own: readers look for names.
+///
+/// # Errors
+/// The name that two columns have.
+pub fn require_distinct_columns<const D: usize>(case: &Case<D>) -> Result<(), Failure> {
+    let mut columns = columns(case);
+    columns.sort_unstable();
+    let Some(pair) = columns.windows(2).find(|pair| pair[0] == pair[1]) else { return Ok(()) };
+    Err(Failure::bad_input(anyhow::anyhow!(
+        "two columns of history.csv would be named `{}`: rename a probe, a formula or a body of the case",
+        pair[0]
+    )))
 }
 
 fn integral_name(integral: Integral) -> &'static str {

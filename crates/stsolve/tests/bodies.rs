@@ -142,8 +142,107 @@ fn bodies_that_cannot_be_are_refused() {
         ("bodies.cylinder.mesh.between.outer=0.5", "above `inner`"),
         ("motion.boundary.others=\"fixed\"", "move the whole mesh by weights"),
         ("bodies.cylinder.y.stops={lower=1,upper=0,stiffness=1}", "above `lower`"),
+        ("flow.rotation={rate=2}", "do not feel the centrifugal and Coriolis forces"),
     ];
     for (change, message) in refused {
         stsolve(directory.path(), &["check", &case, "--set", change]).expect(2, &[message]);
     }
+    let driven = "bodies.cylinder.y.motion=\"0.2*(1-cos(pi*t))\"";
+    for (change, message) in [
+        ("bodies.cylinder.y.release=1.1", "a time at which a slab begins"),
+        ("bodies.cylinder.y.rate=5", "`rate` has no effect"),
+    ] {
+        stsolve(directory.path(), &["check", &case, "--set", driven, "--set", change]).expect(2, &[message]);
+    }
+}
+
+/// A cylinder that turns about its axis, and its mesh with it.
+const TURNING: &str = r#"
+    mesh = { order = 4, generate.annulus = { inner_radius = 0.5, outer_radius = 8, first_cell = 0.2, cells = [8, 6] } }
+    time = { order = 2, end = 1, step = 0.2 }
+    [flow]
+    order = 4
+    gas = { gamma = 1.4, viscosity = { constant = 0.05 } }
+    initial.uniform = { density = 1, velocity = [1, 0], pressure = "1/(1.4*0.05^2)" }
+    boundary.wall.adiabatic_wall = {}
+    boundary.far.far_field = { density = 1, velocity = [1, 0], pressure = "1/(1.4*0.05^2)" }
+    forces.wall = {}
+    [bodies.wall]
+    mass = 3
+    moment_of_inertia = 0.5
+    rotation = { motion = "1-cos(t)" }
+    mesh.between = { inner = 1, outer = 6 }
+"#;
+
+/// The power at the top of a slab is that of the velocity of the body. The velocity of the mesh meets positions only, and has a component
+/// normal to the wall, on which the pressure does work.
+#[test]
+fn the_power_on_a_body_that_turns_is_moment_times_rate() {
+    let directory = TempDir::new().unwrap();
+    std::fs::write(directory.path().join("case.toml"), TURNING).unwrap();
+    stsolve(directory.path(), &["run", "case.toml", "--output", "run", "--quiet"]).expect(0, &[]);
+    let run = directory.path().join("run");
+    let [t, power, moment] = ["t", "wall_power", "wall_moment"].map(|name| column(&run, name));
+    for ((t, power), moment) in t.iter().zip(&power).zip(&moment) {
+        let exact = moment * t.sin();
+        assert!((power - exact).abs() < 1e-10 * exact.abs().max(1.0), "t = {t}: {power} {exact}");
+    }
+}
+
+/// A body jumped where its motion did not go on.
+#[test]
+fn a_restart_in_which_a_driven_body_would_jump_is_refused() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let case = |motion: &str, more: &str| TURNING.replace("1-cos(t)", motion).replace("end = 1,", "end = 0.4,") + more;
+    std::fs::write(at.join("first.toml"), case("1-cos(t)", "")).unwrap();
+    stsolve(at, &["run", "first.toml", "--output", "first", "--quiet"]).expect(0, &[]);
+    let restart = "\n[restart]\nfrom = \"first\"\n";
+    for (motion, code, message) in
+        [("0.5*(1-cos(t))", 2, "the coordinate `rotation` of the body `wall`"), ("1-cos(t)", 0, "")]
+    {
+        let text = case(motion, restart).replace("end = 0.4,", "end = 0.6,");
+        std::fs::write(at.join("second.toml"), text).unwrap();
+        stsolve(at, &["run", "second.toml", "--output", &format!("second{code}"), "--quiet"]).expect(code, &[message]);
+    }
+}
+
+/// One body must not move the wall of another one.
+#[test]
+fn weights_vanish_on_other_bodies_and_are_periodic() {
+    let directory = TempDir::new().unwrap();
+    let pistons = r#"
+        mesh = { order = 2, generate.box = { lower = [0, 0], upper = [1, 1], cells = [4, 2] } }
+        time = { order = 2, end = 0.1, slabs = 1 }
+        [flow]
+        order = 2
+        initial.uniform = { velocity = [0, 0], pressure = 1 }
+        boundary.others = "slip_wall"
+        [bodies.left]
+        mass = 1
+        x = {}
+        mesh.weight = "1-0.5*x"
+        [bodies.right]
+        mass = 1
+        x = {}
+        mesh.weight = "x"
+    "#;
+    let check = |text: &str, message: &str| {
+        std::fs::write(directory.path().join("case.toml"), text).unwrap();
+        stsolve(directory.path(), &["check", "case.toml", "--probe", "never"])
+            .expect(if message.is_empty() { 0 } else { 2 }, &[message]);
+    };
+    check(pistons, "on a wall of the body `right`");
+    check(&pistons.replace("1-0.5*x", "1-x"), "");
+    let periodic = r#"
+        mesh = { order = 2, generate.box = { lower = [0, 0], upper = [1, 1], cells = [4, 2], periodic = ["x"] } }
+        motion.displacement = ["0.1*x*t", 0]
+        time = { order = 2, end = 0.1, slabs = 1 }
+        [flow]
+        order = 2
+        initial.uniform = { velocity = [0, 0], pressure = 1 }
+        boundary.others = "slip_wall"
+    "#;
+    check(periodic, "the displacement is not periodic");
+    check(&periodic.replace("0.1*x*t", "0.1*sin(2*pi*x)*t"), "");
 }

@@ -145,3 +145,22 @@ fn other_points_are_no_resumed_run() {
     let probe = "output.probes={middle={at=[0.5,0.4]}}";
     go(&["time.end=0.4", "time.slabs=4", probe], &["--resume"]).expect(2, &["output.probes"]);
 }
+
+/// A probe `bottom` of a formula `force_x` would have the column of the wall `bottom`.
+#[test]
+fn two_columns_of_the_same_name_are_refused() {
+    let directory = TempDir::new().unwrap();
+    let text = r#"
+        mesh = { order = 2, generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 2] } }
+        time = { order = 1, end = 0.1, slabs = 1 }
+        output = { probes.bottom = { at = [0.5, 0.5], fields = ["density"] }, formulas.force_x = "2" }
+        [flow]
+        order = 2
+        initial.uniform = { velocity = [0, 0], pressure = 1 }
+        boundary.others = "slip_wall"
+        forces.bottom = {}
+    "#;
+    std::fs::write(directory.path().join("case.toml"), text).unwrap();
+    stsolve(directory.path(), &["run", "case.toml", "--output", "run", "--quiet"])
+        .expect(2, &["two columns of history.csv would be named `bottom_force_x`"]);
+}

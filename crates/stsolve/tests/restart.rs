@@ -219,3 +219,15 @@ fn check_looks_at_the_result_that_a_run_would_start_from() {
     std::fs::write(at.join("broken.vtkhdf"), "no result").unwrap();
     check(&[&format!("restart.from={}", at.join("broken.vtkhdf").display())]).expect(2, &["broken.vtkhdf"]);
 }
+
+/// Nodes that slide are where the elastic mesh has put them; the boundary does not jump.
+#[test]
+fn a_restart_goes_on_with_boundaries_that_slide() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let go = |changes: &[&str], output: &str| on_case(at, "run", "elastic_piston", changes, output, &[]);
+    go(&["time.end=0.25", "time.slabs=10"], "first").expect(0, &[]);
+    go(&["time.end=0.5", "time.slabs=20", &from(at, "first")], "second").expect(0, &[]);
+    go(&["time.end=0.5", "time.slabs=20"], "through").expect(0, &[]);
+    assert_same_bits(&at.join("through"), &at.join("second"), "restarted");
+}

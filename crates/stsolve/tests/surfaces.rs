@@ -86,6 +86,24 @@ fn the_drag_of_a_steady_cylinder_is_the_integral_of_its_surface() {
     assert!((45.0..62.0).contains(&angle), "separation at {angle} degrees");
 }
 
+/// Collocated rules see a mesh of a higher order at the nodes of the flow. Distributions took the mesh as it is.
+#[test]
+fn walls_of_a_mesh_of_higher_order_have_their_forces_with_collocated_quadrature() {
+    let directory = TempDir::new().unwrap();
+    for quadrature in ["\"collocated\"", "\"collocated_lobatto\""] {
+        let quadrature = format!("flow.quadrature={quadrature}");
+        let set = ["flow.order=3", "mesh.order=4", "output.surfaces={walls=[\"wall\"]}", &quadrature];
+        finished(directory.path(), "cylinder_steady", &set);
+        let run = directory.path().join("cylinder_steady");
+        let of_end = Surface::read(&run, "wall").at(*column(&run, "t").last().unwrap());
+        for axis in ["x", "y"] {
+            let (force, exact) = (of_end.force(axis), *column(&run, &format!("wall_force_{axis}")).last().unwrap());
+            assert!((force - exact).abs() < 1e-6 * exact.abs().max(1.0), "{quadrature}: {axis} {force} {exact}");
+        }
+        std::fs::remove_dir_all(&run).unwrap();
+    }
+}
+
 #[test]
 fn walls_of_a_box_in_space_have_their_forces() {
     let directory = TempDir::new().unwrap();

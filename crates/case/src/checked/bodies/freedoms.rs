@@ -9,6 +9,7 @@ use crate::expression::Program;
 use crate::key::Key;
 use crate::raw;
 use coupled::blocks::rigid_body::Stops;
+use coupled::rounded_time;
 
 impl<const D: usize> Given<'_, D> {
     pub(super) fn freedoms(&self, key: &Key, raw: &raw::Body) -> Checked<Vec<Freedom>> {
@@ -110,6 +111,7 @@ impl<const D: usize> Given<'_, D> {
         let Time { start, step, control, .. } = *self.time;
         let slabs = (release - start) / step;
         let meets = control.is_some() || !slabs.is_finite() || (slabs - slabs.round()).abs() <= 1e-6;
+        let step = rounded_time(step);
         let accepted = format!("a time at which a slab begins: one of every {step} from {start} on");
         self.checker.require(key, &format!("the release at t = {release}"), meets, &accepted)
     }
