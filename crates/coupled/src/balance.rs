@@ -185,9 +185,16 @@ impl<const D: usize, const M: usize> Unbalanced<'_, D, M> {
 
 /// The state at the top of the slab in which the flow is `u`, laid out at one time.
 pub fn at_top(layout: Layout, u: &[f64]) -> Vec<f64> {
-    let mut top = Vec::with_capacity(layout.at_one_time().len());
-    (0..layout.cells).for_each(|cell| top.extend_from_slice(&u[layout.cell_at(cell, layout.time_order - 1)]));
+    let mut top = vec![0.0; layout.at_one_time().len()];
+    copy_top(layout, u, &mut top);
     top
+}
+
+/// The same into the memory of an earlier one.
+pub fn copy_top(layout: Layout, u: &[f64], top: &mut [f64]) {
+    for (cell, top) in top.chunks_exact_mut(layout.time_len()).enumerate() {
+        top.copy_from_slice(&u[layout.cell_at(cell, layout.time_order - 1)]);
+    }
 }
 
 /// S: the sums of the flow's residual over the rows of each component.

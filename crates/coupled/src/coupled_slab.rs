@@ -193,7 +193,7 @@ impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
         let bodies: Vec<Vec<f64>> = (0..system.bodies.len()).map(|body| z[system.body_range(body)].to_vec()).collect();
         // The flow is the last part of z. It stays where it is: the vector is large.
         z.drain(..system.flow_range().start);
-        state.u = balance::at_top(system.flow.operator.layout, &z);
+        balance::copy_top(system.flow.operator.layout, &z, &mut state.u);
         for ((body, z), stored) in system.bodies.iter_mut().zip(&bodies).zip(&mut state.bodies) {
             body.end_slab(z, stored);
         }

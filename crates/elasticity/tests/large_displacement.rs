@@ -140,8 +140,8 @@ fn a_flag_under_gravity() {
     }
 }
 
-/// A support that moved by just the length of a cell was "done" far from equilibrium: the guess, which moves the support alone, has a vanishing
-/// volume there and forces of 1e17, and the residual was compared with these. A bar without lateral contraction is stretched evenly.
+/// A support that moved by just the length of a cell was "done" far from equilibrium. The guess moves the support alone: the volume vanishes there,
+/// and forces of 1e17 were the measure of the residual. A bar without lateral contraction is stretched evenly.
 #[test]
 fn a_support_that_moves_by_a_cell_finds_the_equilibrium() {
     for moved in [0.499, 0.5, 0.51, 1.0] {

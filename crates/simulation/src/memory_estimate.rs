@@ -19,8 +19,8 @@ pub fn typical_iterations<const D: usize>(case: &Case<D>) -> usize {
 /// where it was measured.
 pub const PROGRAM_BYTES: usize = 37_000_000;
 
-/// The number of vectors as long as the unknowns of the flow in a slab, without those of the linear solver and of the operator: states,
-/// residuals, increments and weights of Newton's method, the slab before, data for checkpoints.
+/// The number of vectors as long as the unknowns of the flow in a slab, without those of the linear solver and of the operator. They are states,
+/// residuals, increments and weights of Newton's method, and the slab before.
 const VECTORS: usize = 12;
 
 /// The same for the unknowns of an elastic mesh, in addition to every mesh.

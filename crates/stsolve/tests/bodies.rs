@@ -217,6 +217,7 @@ fn weights_vanish_on_other_bodies_and_are_periodic() {
         [flow]
         order = 2
         initial.uniform = { velocity = [0, 0], pressure = 1 }
+        reference = { density = 1, speed = 1, pressure = 1 }
         boundary.others = "slip_wall"
         [bodies.left]
         mass = 1
@@ -241,6 +242,7 @@ fn weights_vanish_on_other_bodies_and_are_periodic() {
         [flow]
         order = 2
         initial.uniform = { velocity = [0, 0], pressure = 1 }
+        reference = { density = 1, speed = 1, pressure = 1 }
         boundary.others = "slip_wall"
     "#;
     check(periodic, "the displacement is not periodic");

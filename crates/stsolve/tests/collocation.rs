@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{assert_same_bits, column, finished, number, on_case};
+use common::{assert_same_bits, column, finished, number, on_case, stsolve};
 use tempfile::TempDir;
 
 /// A vortex on a mesh whose nodes move by sines, coarse.
@@ -115,4 +115,27 @@ fn a_mesh_that_the_order_of_the_flow_turns_inside_out_is_refused() {
     let set = ["flow.quadrature=collocated", "flow.order=3"];
     let refused = on_case(directory.path(), "run", "flapping_free", &set, "run", &[]);
     refused.expect(2, &["flow.quadrature", "inside out", "flow.order"]);
+}
+
+/// Six blocks around a sphere with corners on its surface: J is positive at the nodes and negative at Gauss points between them. The run was
+/// said to fail because the flow is steep.
+#[test]
+fn a_mesh_that_gauss_points_turn_inside_out_is_refused() {
+    let directory = TempDir::new().unwrap();
+    let text = r#"
+        mesh = { order = 3, generate.ellipsoid = { semi_axes = [0.5, 0.5, 0.5], outer_radius = 3, first_cell = 0.4, cells = [2, 2, 2, 2] } }
+        time = { order = 2, end = 0.01, slabs = 2 }
+        [flow]
+        order = 3
+        quadrature = "collocated"
+        initial.uniform = { velocity = [0, 0, 0], pressure = 1 }
+        reference = { speed = 1, pressure = 1 }
+        boundary.others = "slip_wall"
+    "#;
+    let check = |text: &str, code: i32, message: &str| {
+        std::fs::write(directory.path().join("case.toml"), text).unwrap();
+        stsolve(directory.path(), &["check", "case.toml", "--probe", "never"]).expect(code, &[message]);
+    };
+    check(text, 2, "interpolated from the nodes of the flow to the Gauss points, is not positive");
+    check(&text.replace("\"collocated\"", "\"collocated_lobatto\""), 0, "");
 }

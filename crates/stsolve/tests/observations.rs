@@ -157,6 +157,7 @@ fn two_columns_of_the_same_name_are_refused() {
         [flow]
         order = 2
         initial.uniform = { velocity = [0, 0], pressure = 1 }
+        reference = { density = 1, speed = 1, pressure = 1 }
         boundary.others = "slip_wall"
         forces.bottom = {}
     "#;

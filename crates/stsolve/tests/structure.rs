@@ -198,3 +198,17 @@ fn a_slab_that_cannot_be_solved_is_halved() {
     assert!(number(&summary, "rejected_slabs") >= 1.0, "{summary}");
     assert!(number(&summary, "structure.energy_error").abs() < 1e-4, "{summary}");
 }
+
+/// These keys were ignored.
+#[test]
+fn what_only_a_flow_has_is_refused_without_one() {
+    let directory = TempDir::new().unwrap();
+    let case = shipped("cantilever.toml");
+    for (change, message) in [
+        ("time.adaptive={tolerance=1e-3}", "`time.adaptive` has no effect without a flow"),
+        ("solver.steady={}", "`solver.steady` has no effect without a flow"),
+        ("output.integrals=[\"entropy\"]", "`output.integrals` has no effect without a flow"),
+    ] {
+        stsolve(directory.path(), &["check", &case, "--set", change]).expect(2, &[message]);
+    }
+}

@@ -4,8 +4,8 @@ use super::mesh_crate::{CellMap, Mesh};
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
 use crate::raw;
-use basis::gauss_lobatto;
-use fem::{PointFamily, Quadrature};
+use basis::{gauss, gauss_lobatto};
+use fem::{PointFamily, Quadrature, Sampler};
 use navier_stokes::VolumeFlux;
 
 /// Checks `flow.quadrature` for a flow of `order` on `mesh`.
@@ -31,7 +31,32 @@ pub(super) fn check<const D: usize>(
     if matches!(quadrature, Quadrature::Collocated(_)) {
         check_interpolated(checker, key, mesh, order)?;
     }
+    if quadrature == Quadrature::Collocated(PointFamily::Gauss) {
+        check_determinants(checker, key, mesh, order)?;
+    }
     Ok(quadrature)
+}
+
+/// At Gauss points J is interpolated from the nodes of the flow. In strongly distorted cells it may have another sign there.
+fn check_determinants<const D: usize>(checker: &Checker<'_>, key: &Key, mesh: &Mesh<D>, order: usize) -> Checked<()> {
+    if order < 2 {
+        return Ok(());
+    }
+    let (nodes, at_points) = (gauss_lobatto(order).points, Sampler::<D>::new(order, order, &gauss(order).points));
+    let (of_mesh, of_flow) = (CellMap::<D>::on_grid(mesh.order(), &nodes), CellMap::<D>::on_grid(order, &nodes));
+    let is_inverted = |cell: &usize| {
+        let interpolated = of_mesh.positions(mesh.cell_coordinates(*cell)).concat();
+        at_points.state(&of_flow.determinants(&interpolated)).iter().any(|det| det.is_nan() || *det <= 0.0)
+    };
+    let Some(cell) = (0..mesh.n_cells()).find(is_inverted) else { return Ok(()) };
+    let problem = format!(
+        "the Jacobian determinant of cell {cell}, interpolated from the nodes of the flow to the Gauss points, is not positive"
+    );
+    Err(checker.combination(
+        key,
+        &problem,
+        "\"collocated_lobatto\" or \"conserving\", or a mesh with less distorted cells",
+    ))
 }
 
 /// Collocated rules interpolate the mesh at the nodes of the flow. A lower order may turn curved cells inside out.

@@ -158,7 +158,8 @@ fn check_sections_of(checker: &Checker<'_>, raw: &raw::Case) -> Checked<()> {
     frame_is_at_rest(checker, raw)?;
     controls::need_a_flow(checker, &raw.controls, raw.flow.is_some())?;
     time::check_fields_of_structure(checker, &raw.output.fields, raw.structure.is_some())?;
-    restart_needs_a_flow(checker, raw.restart.as_ref(), raw.flow.is_some())
+    restart_needs_a_flow(checker, raw.restart.as_ref(), raw.flow.is_some())?;
+    check_without_flow(checker, raw)
 }
 
 /// Checks that sections, each of them correct, fit together.
@@ -169,6 +170,20 @@ pub(super) fn check_together<const D: usize>(
 ) -> Checked<()> {
     held_nodes::check(checker, structure.as_ref(), motion.as_ref(), mesh, time)?;
     sliding_mesh::check_walls(checker, mesh, motion.as_ref(), flow.as_ref())
+}
+
+/// Without a flow slabs are not adapted, no steady flow is searched, and there is nothing to integrate.
+fn check_without_flow(checker: &Checker<'_>, raw: &raw::Case) -> Checked<()> {
+    let given = [
+        ("time", "adaptive", raw.time.adaptive.is_some()),
+        ("solver", "steady", raw.solver.steady.is_some()),
+        ("output", "integrals", !raw.output.integrals.is_empty()),
+    ];
+    let Some((section, name, _)) = given.into_iter().find(|(.., given)| *given && raw.flow.is_none()) else {
+        return Ok(());
+    };
+    let problem = format!("`{section}.{name}` has no effect without a flow");
+    Err(checker.combination(&Key::new(section).child(name), &problem, "this key together with [flow]"))
 }
 
 /// The equations of bodies and structures have no forces of a rotating frame.

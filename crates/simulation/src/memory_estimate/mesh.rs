@@ -9,8 +9,8 @@ const VECTORS: usize = 20;
 /// The same for each time node of a slab: velocities, residuals, fields.
 const VECTORS_IN_TIME: usize = 7;
 
-/// Arrays as long as the values of mesh velocities on all faces: derivatives along the axis that leaves the face, and for mesh and direction the
-/// values on one side of facets and the derivatives on both.
+/// Arrays as long as the values of mesh velocities on all faces. One holds derivatives along the axis that leaves the face. Mesh and direction have two
+/// each: the values on one side of facets, and the derivatives on both.
 const TRACES: usize = 1 + 2 * 2;
 
 /// Arrays of values of det J_0 at the points of the proof.
