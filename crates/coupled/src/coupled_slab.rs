@@ -84,6 +84,8 @@ pub struct SlabReport<const M: usize> {
     pub eased: Option<EasedStart>,
     /// The report of the Newton driver.
     pub newton: newton::Report,
+    /// The norm of the residual that the report begins with, and that at the end. A steady flow begins with the initial state.
+    pub residual_norms: [f64; 2],
     /// Its cost, with all rejected attempts.
     pub counts: Counts,
     /// The quality of the mesh.
@@ -204,7 +206,8 @@ impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
         let Balance { totals, fluxes } = balance;
         let counts = system.take_counts();
         let (slab, rejected, eased) = (state.slab + 1, state.rejected, self.eased.take());
-        SlabReport { slab, interval, rejected, eased, newton, counts, quality, jump, fluxes, totals }
+        let residual_norms = [newton.initial_norm, newton.final_norm()];
+        SlabReport { slab, interval, rejected, eased, newton, residual_norms, counts, quality, jump, fluxes, totals }
     }
 
     fn jump(&self, solved: &Solved<M>) -> (f64, usize) {

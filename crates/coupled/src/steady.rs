@@ -70,12 +70,12 @@ pub fn solve_steady<const D: usize, const M: usize>(
     let mut z = u.to_vec();
     let solved = newton::solve(problem, &mut z, Some(&references), &settings, &mut Workspace::default());
     u.copy_from_slice(&z);
-    let mut newton = solved.map_err(|source| {
+    let newton = solved.map_err(|source| {
         let residual_breakdown = problem.residual_breakdown(&z).map(Box::new);
         SlabError::Newton { residual_breakdown, source: Box::new(source) }
     })?;
-    // The norm that the tolerance refers to.
-    newton.initial_norm = references[0];
+    // The tolerance refers to the initial state, not to the guess.
+    let residual_norms = [references[0], newton.final_norm()];
     problem.set_point(&z);
     let interval = Interval { start: time, end: time, halvings: 0 };
     let top = problem.flow.operator.boundary_fluxes(None).pop();
@@ -86,6 +86,7 @@ pub fn solve_steady<const D: usize, const M: usize>(
         rejected: 0,
         eased: None,
         newton,
+        residual_norms,
         counts: problem.take_counts(),
         quality: problem.mover().quality(d, &at_rest, interval),
         fluxes: top.map(|top| FluxesAt { time, ..top }).into_iter().collect(),

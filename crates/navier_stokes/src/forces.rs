@@ -121,9 +121,12 @@ impl<const D: usize> ForceScales<D> {
     pub fn coefficients(&self, wall: &WallForce<D>) -> Coefficients {
         let (force, along) = (wall.force(), &self.drag_direction);
         let scale = self.dynamic_pressure * self.area;
+        // In space the part of e_D in the x-y plane need not have unit length. A drag along z leaves no direction for the lift.
+        let in_plane = if D == 2 { 1.0 } else { along[0].hypot(along[1]) };
+        let lift = if in_plane > 0.0 { cross(along, &force)[2] / in_plane } else { 0.0 };
         Coefficients {
             drag: tensor::dot(&force, along) / scale,
-            lift: cross(along, &force)[2] / scale,
+            lift: lift / scale,
             moment: self.moment(wall) / (scale * self.length),
         }
     }
@@ -172,6 +175,25 @@ mod tests {
         let wall = WallForce { pressure, friction, moment: [0.0, 0.0, 2.0], ..WallForce::default() };
         let Coefficients { drag, lift, moment } = scales.coefficients(&wall);
         assert!((drag - 1.0).abs() < 1e-15 && (lift - 1.0).abs() < 1e-15 && moment == 0.5);
+    }
+
+    /// The lift was shortened where the drag is not in the x-y plane.
+    #[test]
+    fn lift_has_a_unit_direction_in_space() {
+        let lift = |drag_direction: [f64; 3]| {
+            let scales = ForceScales::<3> {
+                dynamic_pressure: 1.0,
+                area: 1.0,
+                length: 1.0,
+                drag_direction,
+                moment_axis: [0.0, 0.0, 1.0],
+            };
+            let wall = WallForce { pressure: [-1.0, 0.0, 0.0], ..WallForce::default() };
+            scales.coefficients(&wall).lift
+        };
+        let third = 3.0_f64.sqrt().recip();
+        assert!((lift([third; 3]) - 0.5_f64.sqrt()).abs() < 1e-15);
+        assert_eq!(lift([0.0, 0.0, 1.0]), 0.0);
     }
 
     /// A force along the lift that acts upstream of the point raises the nose, for any stream.

@@ -283,7 +283,7 @@ where
             time: self.state().time,
             newton: report.newton.steps.len(),
             krylov: report.newton.krylov_iterations,
-            residual: report.newton.final_norm() / report.newton.initial_norm.max(f64::MIN_POSITIVE),
+            residual: report.residual_norms[1] / report.residual_norms[0].max(f64::MIN_POSITIVE),
         });
         let bodies = self.march.bodies();
         self.average(&mut context.statistics.averages);

@@ -164,10 +164,11 @@ pub fn row<const D: usize, const M: usize>(
     bodies: &[BodyState],
     statistics: &RunStatistics,
 ) -> Vec<f64> {
-    let SlabReport { interval, newton, counts, totals, .. } = report;
+    let SlabReport { interval, newton, residual_norms, counts, totals, .. } = report;
     let mut row = row_of_mesh(*interval, counts.elasticity_iterations, &report.quality);
     row.push(report.jump);
-    row.extend([newton.steps.len() as f64, newton.krylov_iterations as f64, newton.initial_norm, newton.final_norm()]);
+    row.extend([newton.steps.len() as f64, newton.krylov_iterations as f64]);
+    row.extend(residual_norms);
     row.extend([counts.rebuilds as f64, report.rejected as f64]);
     let (held, created) =
         (Conserved::<f64, D>::unpack::<M>(&from_fn(|m| totals[m])), statistics.balances::<D, M>(totals));

@@ -81,8 +81,10 @@ pub struct EnergyBalance {
     pub load_work: f64,
     /// The work of the supports.
     pub support_work: f64,
-    /// The energy dissipated by the jumps between slabs.
+    /// The energy dissipated by damping and by the jumps between slabs.
     pub dissipation: f64,
+    /// The part of damping.
+    pub damped: f64,
 }
 
 impl EnergyBalance {
@@ -225,7 +227,7 @@ impl RunStatistics {
         self.steady = Some(Steady {
             newton: stages.iter().map(|stage| stage.steps as u64).sum(),
             krylov: stages.iter().map(|stage| stage.iterations as u64).sum(),
-            residual: report.newton.final_norm() / report.newton.initial_norm.max(f64::MIN_POSITIVE),
+            residual: report.residual_norms[1] / report.residual_norms[0].max(f64::MIN_POSITIVE),
             forces: self.forces.clone(),
             reliability: *reliability,
         });
@@ -237,6 +239,7 @@ impl RunStatistics {
         self.elasticity += report.dynamics.iterations as u64;
         self.structure.load_work += report.dynamics.work.load;
         self.structure.support_work += report.dynamics.work.support;
+        self.structure.damped += report.dynamics.work.damped;
         self.structure.dissipation += report.dynamics.work.damped + report.dynamics.work.dissipation;
     }
 
@@ -300,8 +303,8 @@ impl RunStatistics {
             ("statistics.errors".into(), vec![self.mass_error, self.energy_error, self.coupled_energy_error]),
             ("statistics.bodies".into(), self.bodies.iter().flat_map(BodyRecord::numbers).collect()),
             ("statistics.structure".into(), {
-                let EnergyBalance { energy_at_start, load_work, support_work, dissipation } = self.structure;
-                vec![energy_at_start, load_work, support_work, dissipation]
+                let EnergyBalance { energy_at_start, load_work, support_work, dissipation, damped } = self.structure;
+                vec![energy_at_start, load_work, support_work, dissipation, damped]
             }),
             ("statistics.mass_flows".into(), self.mass_flows.clone()),
             ("statistics.openings".into(), self.openings.iter().flat_map(|record| record.to_numbers()).collect()),
@@ -316,7 +319,7 @@ impl RunStatistics {
         else {
             return None;
         };
-        let &[energy_at_start, load_work, support_work, dissipation] = get("structure")? else { return None };
+        let &[energy_at_start, load_work, support_work, dissipation, damped] = get("structure")? else { return None };
         Some(RunStatistics {
             rejected: rejected as u64,
             newton: newton as u64,
@@ -343,7 +346,7 @@ impl RunStatistics {
             energy_error: *get("errors")?.get(1)?,
             coupled_energy_error: *get("errors")?.get(2)?,
             bodies: BodyRecord::read_all(get("bodies")?)?,
-            structure: EnergyBalance { energy_at_start, load_work, support_work, dissipation },
+            structure: EnergyBalance { energy_at_start, load_work, support_work, dissipation, damped },
             mass_flows: get("mass_flows")?.to_vec(),
             openings: get("openings")?.as_chunks().0.iter().map(Record::from_numbers).collect::<Option<_>>()?,
             controls: get("controls").unwrap_or_default().to_vec(),

@@ -88,7 +88,8 @@ impl<const D: usize> StructureRun<'_, D> {
             ledger: Ledger {
                 drive: balance.support_work,
                 force: balance.load_work,
-                numerical: balance.dissipation,
+                damped: balance.damped,
+                numerical: balance.dissipation - balance.damped,
                 ..Ledger::default()
             },
         }

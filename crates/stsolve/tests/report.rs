@@ -328,3 +328,19 @@ fn refuses_bad_pictures(directory: &Path) {
     stsolve(directory, &["report", "run", "--picture", "mach", "--movie", "mach"]).expect(2, &["cannot be used with"]);
     stsolve(directory, &["report", "run", "--no-edges"]).expect(2, &["--movie [<FIELD>]"]);
 }
+
+/// The planes of cuts span the positions of the mesh at all times. One that the mesh has left had a picture of another size, and the page lost all.
+#[test]
+fn cuts_that_the_mesh_has_left_are_empty() {
+    let directory = TempDir::new().unwrap();
+    let case = r#"
+        mesh = { order = 2, generate.box = { lower = [0, 0, 0], upper = [1, 1, 1], cells = [1, 1, 1] } }
+        motion.displacement = ["0.3*sin(2*pi*t)", 0, 0]
+        time = { order = 1, end = 0.25, slabs = 1 }
+    "#;
+    fs::write(directory.path().join("case.toml"), case).unwrap();
+    stsolve(directory.path(), &["run", "case.toml", "--output", "run", "--quiet"]).expect(0, &[]);
+    let outcome = stsolve(directory.path(), &["report", "run"]);
+    outcome.expect(0, &[]);
+    assert!(!outcome.stdout.contains("no pictures"), "{}", outcome.stdout);
+}

@@ -350,3 +350,23 @@ fn a_symmetric_airfoil_is_in_equilibrium_at_once() {
         assert!(place.abs() < 1e-9, "{name} {place:.1e}");
     }
 }
+
+/// Between walls the mass is corrected, and the flow is solved once more. Where that took no step, the residual was told to be that of the start.
+#[test]
+fn a_steady_flow_between_walls_tells_its_residual() {
+    let directory = TempDir::new().unwrap();
+    let case = r#"
+        mesh = { order = 3, generate.box = { lower = [0, 0], upper = [2, 1], cells = [2, 2], periodic = ["x"] } }
+        time = { order = 2, end = 0.1, slabs = 1 }
+        solver.steady = {}
+        [flow]
+        order = 4
+        gas = { gamma = 1.4, prandtl = 0.72, viscosity = { constant = 0.02 } }
+        initial.uniform = { density = 1, velocity = [0.2, 0], pressure = 0.8 }
+        boundary.bottom.isothermal_wall = { temperature = 0.8 }
+        boundary.top.isothermal_wall = { temperature = 0.85, slide = [0.5, 0] }
+    "#;
+    run(directory.path(), "couette", case).expect(0, &[]);
+    let residual = number(&summary(&directory.path().join("couette")), "steady.residual");
+    assert!(residual < 1e-8, "{residual:e}");
+}

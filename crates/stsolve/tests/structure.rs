@@ -212,3 +212,29 @@ fn what_only_a_flow_has_is_refused_without_one() {
         stsolve(directory.path(), &["check", &case, "--set", change]).expect(2, &[message]);
     }
 }
+
+/// Damping of a structure alone was told as the error of the integration in time.
+#[test]
+fn damping_is_no_numerical_dissipation() {
+    let directory = TempDir::new().unwrap();
+    let case = r#"
+        mesh = { order = 4, generate.box = { lower = [0, 0], upper = [1, 0.1], cells = [4, 1] } }
+        time = { order = 3, end = 1, slabs = 40 }
+        [structure]
+        young_modulus = 100
+        poisson_ratio = 0
+        density = 1
+        damping = { mass = 0.5, stiffness = 0.01 }
+        boundary.left.held = ["x"]
+        boundary.bottom.held = ["y"]
+        boundary.top.held = ["y"]
+        boundary.right = "free"
+        initial.displacement = ["0.01*sin(pi*x/2)", 0]
+    "#;
+    std::fs::write(directory.path().join("case.toml"), case).unwrap();
+    stsolve(directory.path(), &["run", "case.toml", "--output", "run", "--quiet"]).expect(0, &[]);
+    let told = summary(&directory.path().join("run"));
+    let [damped, numerical] =
+        ["damped", "numerical_dissipation"].map(|name| number(&told["bodies"]["structure"], name));
+    assert!(damped > 1e-4 && numerical.abs() < 1e-3 * damped, "{damped:e} {numerical:e}");
+}

@@ -146,7 +146,8 @@ fn ranges<const D: usize, const M: usize>(
     snapshots: &[Snapshot<D>],
 ) -> Vec<(PictureQuantity, Range)> {
     let window = view.windows[0].with_pixels(PREVIEW_PIXELS);
-    let previews: Vec<_> = snapshots.par_iter().map(|snapshot| view.raster::<M>(snapshot, &window)).collect();
+    let preview = |snapshot: &Snapshot<D>| view.raster::<M>(snapshot, &window, quantities.len());
+    let previews: Vec<_> = snapshots.par_iter().map(preview).collect();
     let values = |q: usize| previews.iter().flat_map(|preview| preview.of(q)).collect();
     quantities.iter().enumerate().map(|(q, quantity)| (*quantity, quantity.range(values(q)))).collect()
 }

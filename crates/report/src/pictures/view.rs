@@ -73,8 +73,8 @@ impl<const D: usize> View<D> {
         (window.shifted(by), by)
     }
 
-    /// All quantities in a window. M = D + 2.
-    pub fn raster<const M: usize>(&self, snapshot: &Snapshot<D>, window: &Window) -> Raster {
+    /// All of the `count` quantities in a window. M = D + 2.
+    pub fn raster<const M: usize>(&self, snapshot: &Snapshot<D>, window: &Window, count: usize) -> Raster {
         let mut raster = None;
         for (cell, fineness) in self.visible(snapshot, window) {
             let patch = snapshot.patch::<M>(cell, fineness);
@@ -82,7 +82,8 @@ impl<const D: usize> View<D> {
             let raster = raster.get_or_insert_with(|| Raster::new(window, quantities));
             raster.draw(window, &surface(&patch, window.plane));
         }
-        raster.unwrap_or_else(|| Raster::new(window, 1))
+        // A mesh that moves may have left the plane of a cut.
+        raster.unwrap_or_else(|| Raster::new(window, count))
     }
 
     /// The pictures of the plane in a window.
@@ -92,7 +93,7 @@ impl<const D: usize> View<D> {
         window: &Window,
         quantities: &[(PictureQuantity, Range)],
     ) -> Drawn {
-        let raster = self.raster::<M>(snapshot, window);
+        let raster = self.raster::<M>(snapshot, window, quantities.len());
         let numbers = |(q, (_, range)): (usize, &(PictureQuantity, Range))| colour_numbers(raster.of(q), *range);
         let (mesh, outline) = self.lines(snapshot, window);
         Drawn {

@@ -95,8 +95,8 @@ where
         let discretisation = Discretisation { order: flow.order, time_order: 1, dissipative: false };
         found.stages.push(Stage { discretisation, steps, iterations, converged: true });
         // Newton's residual is that of the steady flow: the one of the last slab is relative to a slab that hardly changes anything.
-        let newton = std::mem::take(&mut found.report.newton);
-        found.report = SlabReport { newton, ..report };
+        let (newton, residual_norms) = (std::mem::take(&mut found.report.newton), found.report.residual_norms);
+        found.report = SlabReport { newton, residual_norms, ..report };
         let coupled::State { u, d, bodies, .. } = march.state;
         let operator =
             self.crew.as_mut().map_or(&mut self.march.solver.system.flow.operator, |crew| &mut crew.operator);
