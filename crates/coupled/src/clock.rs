@@ -5,6 +5,11 @@ pub fn rounded_time(time: f64) -> f64 {
     format!("{time:.11e}").parse().unwrap_or(time)
 }
 
+/// Whether `time` is before the `event`, by more than rounding.
+pub fn is_before(time: f64, event: f64) -> bool {
+    event - time > 1e-9 * event.abs()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -46,7 +46,7 @@ mod transfer;
 pub mod weights;
 
 pub use blocks::{Counts, totals};
-pub use clock::rounded_time;
+pub use clock::{is_before, rounded_time};
 pub use coupled_slab::{CoupledSlab, FlowMarch, Jacobian, Predictor, ROUND_OFF, Settings, SlabReport};
 pub use initial::interpolate;
 pub use lagged_preconditioner::{LaggedPreconditioner, Linearisation, Method, Update};

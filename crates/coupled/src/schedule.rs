@@ -9,6 +9,7 @@
 //!
 //! keeps it at a tolerance. The jump is an error inside the slab. At its top the error is much smaller, of order dt^{2 N_t - 1}.
 
+use crate::clock::is_before;
 use crate::state::{Interval, State};
 
 /// A slab is repeated when its jump is larger than the tolerance by this factor.
@@ -75,7 +76,7 @@ impl Schedule {
 
     /// The latest end of a slab that begins at `start`.
     fn latest_end(&self, start: f64) -> f64 {
-        let later = self.begins.iter().copied().filter(|t| *t - start > 1e-9 * t.abs());
+        let later = self.begins.iter().copied().filter(|t| is_before(start, *t));
         later.chain([self.end]).min_by(f64::total_cmp).unwrap_or(self.end)
     }
 

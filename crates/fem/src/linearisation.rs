@@ -224,8 +224,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     pub(crate) fn freeze(&self, s: f64) -> FrozenPoint {
         let time_point = TimePoint::of_space(&self.tables.time, s);
         let state = self.state_at(s);
-        let kinds = if self.problem.kernels.is_viscous() { 2 } else { 1 };
-        let layout = TraceLayout::new::<D>(kinds, [1, M], self.tables.orders.flow);
+        let layout = TraceLayout { slots: 1, ..self.traced_state().traces.layout };
         let mut traces = Traces::new(layout, self.all_cells());
         traces.take(&self.flow_faces, &state);
         FrozenPoint {
@@ -335,7 +334,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
     /// The permutation from the batch's common lattice to the lattice of one side.
     fn own_lattice(&self, batch: &FacetBatch, lane: usize, side: usize) -> &[usize] {
-        &self.facets.permutations[if side == 0 { 0 } else { batch.plus[lane].1 }].flow
+        &self.facets.lattice(batch, lane, side).flow
     }
 
     /// Runs the facet kernel along one unit direction: trace `column[1]` of side `column[0]`.

@@ -60,8 +60,8 @@ pub trait NonlinearProblem {
     /// [`Inadmissible`] if dR/dz is not defined at z.
     fn linearise(&mut self, z: &[f64], inverse_pseudo_time: &[f64]) -> Result<(), Inadmissible>;
 
-    /// increment := a first guess of the solution of a system with the matrix of (newton-step) and the given right side. If the matrix is block triangular, the problem
-    /// can solve the leading block here, exactly. Its part of all further directions is then zero. The default is zero.
+    /// increment := a first guess of the solution of a system with the matrix of (newton-step) and the given right side. If the matrix is block
+    /// triangular, the problem can solve the leading block here, exactly. Its part of all further directions is then zero. The default is zero.
     fn guess_increment(&mut self, right_side: &[f64], increment: &mut [f64]) {
         debug_assert_eq!(right_side.len(), increment.len());
         increment.fill(0.0);

@@ -7,7 +7,7 @@ use super::{bodies, checkpoint, fallback, motion_jump};
 use crate::error::Failure;
 use case::{AllowedChange, Case, Flow, Time, gas_of, motion_of, reference_pressure_of};
 use coupled::block::BodyState;
-use coupled::{Linearisation, MeshMotion, MeshMover, State};
+use coupled::{Linearisation, MeshMotion, MeshMover, State, is_before};
 use fem::{Layout, Orders};
 use mesh::{Mesh, NodeNumbering};
 use navier_stokes::Conserved;
@@ -267,7 +267,7 @@ impl Origin {
     fn check_drives<const D: usize>(&self, case: &Case<D>, state: &State) -> Result<(), RestartError> {
         for (body, stored) in case.bodies.iter().zip(&state.bodies) {
             for (freedom, &there) in body.freedoms.iter().zip(stored) {
-                let is_driven = freedom.release.is_none_or(|release| state.time < release - 1e-9 * release.abs());
+                let is_driven = freedom.release.is_none_or(|release| is_before(state.time, release));
                 let Some(motion) = freedom.motion.as_ref().filter(|_| is_driven) else { continue };
                 let here = motion.evaluate::<f64>(&[], state.time);
                 if (there - here).abs() > 1e-9 * (1.0 + there.abs().max(here.abs())) {

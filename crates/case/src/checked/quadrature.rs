@@ -42,13 +42,8 @@ fn check_determinants<const D: usize>(checker: &Checker<'_>, key: &Key, mesh: &M
     if order < 2 {
         return Ok(());
     }
-    let (nodes, at_points) = (gauss_lobatto(order).points, Sampler::<D>::new(order, order, &gauss(order).points));
-    let (of_mesh, of_flow) = (CellMap::<D>::on_grid(mesh.order(), &nodes), CellMap::<D>::on_grid(order, &nodes));
-    let is_inverted = |cell: &usize| {
-        let interpolated = of_mesh.positions(mesh.cell_coordinates(*cell)).concat();
-        at_points.state(&of_flow.determinants(&interpolated)).iter().any(|det| det.is_nan() || *det <= 0.0)
-    };
-    let Some(cell) = (0..mesh.n_cells()).find(is_inverted) else { return Ok(()) };
+    let at_points = Sampler::<D>::new(order, order, &gauss(order).points);
+    let Some(cell) = first_inverted(mesh, order, |at_nodes| at_points.state(&at_nodes)) else { return Ok(()) };
     let problem = format!(
         "the Jacobian determinant of cell {cell}, interpolated from the nodes of the flow to the Gauss points, is not positive"
     );
@@ -71,14 +66,21 @@ fn check_interpolated<const D: usize>(checker: &Checker<'_>, key: &Key, mesh: &M
 
 /// The first cell of `mesh` that interpolation with polynomials of `order` turns inside out.
 fn inverted_by_interpolation<const D: usize>(mesh: &Mesh<D>, order: usize) -> Option<usize> {
-    if !(2..mesh.order()).contains(&order) {
-        return None;
-    }
+    (2..mesh.order()).contains(&order).then(|| first_inverted(mesh, order, |at_nodes| at_nodes)).flatten()
+}
+
+/// The first cell of `mesh`, interpolated at the nodes of `order`, where J has a value that is not positive among those that `values` makes of
+/// the values at the nodes.
+fn first_inverted<const D: usize>(
+    mesh: &Mesh<D>,
+    order: usize,
+    values: impl Fn(Vec<f64>) -> Vec<f64>,
+) -> Option<usize> {
     let nodes = gauss_lobatto(order).points;
     let (of_mesh, of_flow) = (CellMap::<D>::on_grid(mesh.order(), &nodes), CellMap::<D>::on_grid(order, &nodes));
     let is_inverted = |cell: &usize| {
         let interpolated = of_mesh.positions(mesh.cell_coordinates(*cell)).concat();
-        of_flow.determinants(&interpolated).iter().any(|det| det.is_nan() || *det <= 0.0)
+        values(of_flow.determinants(&interpolated)).iter().any(|det| det.is_nan() || *det <= 0.0)
     };
     (0..mesh.n_cells()).find(is_inverted)
 }

@@ -22,8 +22,8 @@ type Direction<'a> = (Differentiate, &'a [f64]);
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Facets, then cells: the terms of every facet are computed once and read by both its cells. Returns the first cell, in the order
-    /// of the whole mesh, with a NaN in its result: violations are passed on as NaN, and arithmetic may produce it. The `direction` of the
-    /// state in own cells has its traces already; without a derivative there is none.
+    /// of the whole mesh, with a NaN in its result: violations are passed on as NaN, and arithmetic may produce it. The traces of the
+    /// `direction`, that of the state in own cells, must be taken. The residual has an empty one.
     pub(super) fn run(&mut self, along: Differentiate, direction: &[f64], out: &mut [f64]) -> Option<usize> {
         let (mut terms, mut loads) = (std::mem::take(&mut self.terms), std::mem::take(&mut self.wall_loads.terms));
         self.all_facets(along, direction, &mut terms, &mut loads);

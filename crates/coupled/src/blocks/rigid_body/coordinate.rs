@@ -1,6 +1,7 @@
 //! One coordinate of a rigid body.
 
 use super::Vec3;
+use crate::clock::is_before;
 use std::sync::Arc;
 use tensor::Transcendental;
 
@@ -81,9 +82,7 @@ impl Coordinate {
     /// Whether it is driven in the slab that begins at `start`.
     pub fn is_driven(&self, start: f64) -> bool {
         // A drive ends at the beginning of a slab, up to rounding.
-        self.drive
-            .as_ref()
-            .is_some_and(|drive| drive.release.is_none_or(|release| start < release - 1e-9 * release.abs()))
+        self.drive.as_ref().is_some_and(|drive| drive.release.is_none_or(|release| is_before(start, release)))
     }
 
     fn stop_stiffness(&self) -> f64 {
