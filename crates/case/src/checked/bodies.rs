@@ -212,23 +212,29 @@ impl<const D: usize> Given<'_, D> {
         }
     }
 
+    /// The first node on `walls` where the weight of `body` is not `wanted`: its position and the weight there.
+    fn other_weight(
+        &self,
+        numbering: &NodeNumbering,
+        body: &RigidBody<D>,
+        walls: &[usize],
+        wanted: f64,
+    ) -> Option<([f64; D], f64)> {
+        let positions = numbering.positions(self.mesh);
+        let nodes = walls.iter().flat_map(|wall| numbering.on_boundary(self.mesh, *wall));
+        let weights = nodes.map(|node| (positions[node], body.weight(&positions[node]).unwrap_or(f64::NAN)));
+        weights.into_iter().find(|(_, weight)| (weight - wanted).abs() > 1e-9)
+    }
+
     /// A body does not move the walls of others.
     fn check_weight_on_others(&self, body: &RigidBody<D>, bodies: &[RigidBody<D>]) -> Checked<()> {
         if body.mesh.is_none() {
             return Ok(());
         }
         let numbering = NodeNumbering::new(self.mesh, self.mesh.order());
-        let positions = numbering.positions(self.mesh);
         for other in bodies.iter().filter(|other| other.name != body.name) {
-            let mut nodes = other.walls.iter().flat_map(|wall| numbering.on_boundary(self.mesh, *wall));
-            let weight = |node: usize| body.weight(&positions[node]).unwrap_or(0.0);
-            let Some(node) = nodes.find(|node| weight(*node).abs() > 1e-9) else { continue };
-            let problem = format!(
-                "the weight is {} at {:?}, on a wall of the body `{}`",
-                weight(node),
-                positions[node],
-                other.name
-            );
+            let Some((x, weight)) = self.other_weight(&numbering, body, &other.walls, 0.0) else { continue };
+            let problem = format!("the weight is {weight} at {x:?}, on a wall of the body `{}`", other.name);
             let key = key_of(&body.name).child("mesh");
             return Err(self.checker.combination(&key, &problem, "a weight of zero on the walls of other bodies"));
         }
@@ -248,14 +254,9 @@ impl<const D: usize> Given<'_, D> {
             let problem = format!("the weight at {x:?} is {}", weight(x));
             return Err(self.checker.combination(&key, &problem, "a weight that is finite in the whole mesh"));
         }
-        for wall in &body.walls {
-            for node in numbering.on_boundary(self.mesh, *wall) {
-                let x = &positions[node];
-                if (weight(x) - 1.0).abs() > 1e-9 {
-                    let problem = format!("the weight at {x:?} on a wall of the body is {}", weight(x));
-                    return Err(self.checker.combination(&key, &problem, "a weight of one on the walls of the body"));
-                }
-            }
+        if let Some((x, weight)) = self.other_weight(&numbering, body, &body.walls, 1.0) {
+            let problem = format!("the weight at {x:?} on a wall of the body is {weight}");
+            return Err(self.checker.combination(&key, &problem, "a weight of one on the walls of the body"));
         }
         if let Some([x, other]) = periodic_copies_apart(self.mesh, &numbering, 1e-9, |x| [weight(x)]) {
             let problem = format!(

@@ -59,15 +59,11 @@ impl<const D: usize> SharedNodes<'_, D> {
 
     fn conflict(&self, key: &Key, first: First<D>, second: First<D>, t: f64) -> Box<crate::CaseError> {
         let name = |boundary: usize| &self.mesh.boundary_names()[boundary];
+        if first.boundary == second.boundary {
+            return not_periodic(self.checker, key, [first.x, second.x], [first.d, second.d], t);
+        }
         let (a, b) = (plain(&first.d), plain(&second.d));
         let constants = self.checker.constants_in_words();
-        if first.boundary == second.boundary {
-            let (from, other) = (first.x, second.x);
-            let problem = format!(
-                "the displacement is not periodic: {from:?} and {other:?} are one node of the mesh, but move by {a} and by {b} until t = {t}{constants}"
-            );
-            return self.checker.combination(key, &problem, "a displacement with the period of the mesh");
-        }
         let (one, other) = (name(first.boundary), name(second.boundary));
         let problem = format!(
             "boundaries `{one}` and `{other}` share the node at {:?}, but until t = {t} `{one}` moves it by {a} and `{other}` by {b}{constants}",
@@ -76,6 +72,21 @@ impl<const D: usize> SharedNodes<'_, D> {
         let remedy = "motions that agree where boundaries meet: the same formulas for both, or a formula in x, y, z that is that of the other one there";
         self.checker.combination(key, &problem, remedy)
     }
+}
+
+/// The error of a displacement at `key` that is `d` at the positions `x` of one node until the time `t`.
+pub(super) fn not_periodic<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    [from, other]: [[f64; D]; 2],
+    d: [[Option<f64>; D]; 2],
+    t: f64,
+) -> Box<crate::CaseError> {
+    let ([a, b], constants) = (d.map(|d| plain(&d)), checker.constants_in_words());
+    let problem = format!(
+        "the displacement is not periodic: {from:?} and {other:?} are one node of the mesh, but move by {a} and by {b} until t = {t}{constants}"
+    );
+    checker.combination(key, &problem, "a displacement with the period of the mesh")
 }
 
 /// A displacement as text, with `free` for components that are not prescribed.
