@@ -116,7 +116,7 @@ impl<const D: usize, const M: usize> LaggedPreconditioner<D, M> {
     /// the next slab.
     pub fn reconsider_coarse_level(&mut self, operator: &SlabOperator<D, M>, iterations: usize) {
         let most = CoarseLevelUse::Always.most_aggregates(M, D as u32, operator.tables.orders.flow);
-        let large = operator.layout.cells > most && operator.share.blocks.of_cell.iter().all(|block| *block == 0);
+        let large = operator.share.whole_cells() > most;
         if !self.coarse_level && self.method == Method::BlockIlu && large && iterations > LONG {
             self.coarse_level = true;
             self.preconditioner = None;

@@ -252,7 +252,7 @@ fn node_blocks<const D: usize>(case: &Case<D>, time_order: usize) -> (usize, usi
 fn coarse_level_of_slabs<const D: usize>(case: &Case<D>) -> usize {
     let Some(flow) = &case.flow else { return 0 };
     let most = CoarseLevelUse::Always.most_aggregates(D + 2, D as u32, flow.order);
-    let has_one = case.mesh.n_cells() > most && case.blocks == 1;
+    let has_one = case.mesh.n_cells() > most;
     if has_one { coarse_level(case, CoarseLevelUse::Always) } else { 0 }
 }
 

@@ -1,13 +1,15 @@
 //! The coarse level of the preconditioner by blocks.
 
-use crate::slab_operator::moving_slab_on;
+use crate::slab_operator::{moving_slab_on, uniform_coefficients};
 use coupled::preconditioner::{CoarseLevelUse, TimeScales, TwoLevel};
-use fem::{Orders, StateField};
-use mesh::{BoxMesh, Curving, Mesh};
+use fem::{Blocks, Bottom, Orders, Problem, Share, SlabOperator, StateField};
+use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::exact::FreeStream;
-use navier_stokes::{Boundary, Compiled, Exact, NavierStokes, Riemann, Viscosity};
+use navier_stokes::{AdiabaticWall, Boundary, Compiled, Exact, NavierStokes, Riemann, Viscosity};
 use newton_krylov::operator::Preconditioner;
-use verification::{Noise, RULES, law, prescribed, relative_difference};
+use ranks::{Communicator, Sums, Threads};
+use std::sync::Arc;
+use verification::{Noise, RULES, free_stream, law, prescribed, relative_difference};
 
 const N: usize = 3;
 
@@ -81,6 +83,52 @@ fn the_coarse_level_is_exact_on_its_space() {
         for (time, most) in [(1, 27), (2, 5)] {
             let error = error_on_coarse_space::<3, 5>(viscosity, time, most);
             assert!(error < SINGLE, "3-D, {viscosity:?}, N_t = {time}, {most} aggregates: {error:.1e}");
+        }
+    }
+}
+
+/// A slab of uniform flow between walls on the cells of a share.
+fn slab_of(mesh: &Mesh<2>, share: Share) -> SlabOperator<2, 4> {
+    let law = law(Viscosity::Constant(0.02), Riemann::Roe);
+    let wall = AdiabaticWall::new([0.0; 2]).expect("a wall at rest");
+    let kernels = law.kernels(vec![Boundary::AdiabaticWall(wall); mesh.boundary_names().len()]);
+    let problem = Problem { kernels, data: vec![None; mesh.boundary_names().len()], source: None };
+    let (orders, numbering) = (Orders { flow: N, mesh: N, time: 2 }, NodeNumbering::new(mesh, N));
+    let mut operator = SlabOperator::of_share(problem, mesh, &numbering, orders, RULES[0].0, share);
+    let uniform = |slots| uniform_coefficients(&operator, &free_stream::<2, 4>(&law).value(&[0.0; 2], 0.0), slots);
+    let (bottom, state, rest) = (uniform(1), uniform(2), vec![0.0; 2 * operator.mesh.field_len()]);
+    operator.begin_slab(0.0, 0.1, Bottom::new(&bottom, &rest[..rest.len() / 2]));
+    operator.set_mesh(&rest);
+    operator.linearise(&state);
+    operator
+}
+
+/// The bits of z = P^{-1} r on the whole mesh, for a random r, found by so many `ranks`.
+fn applied(mesh: &Mesh<2>, blocks: &Blocks, most: usize, ranks: usize) -> Vec<u64> {
+    let count = blocks.of_cell.iter().max().map_or(0, |block| block + 1);
+    let of_rank = |communicator: Arc<dyn Communicator>| -> Vec<u64> {
+        let share = Share::new(mesh, blocks, Arc::new(Sums::new(communicator, count)));
+        let operator = slab_of(mesh, share);
+        let scales = TimeScales { dt: 0.1, damping: 0.0 };
+        let mut levels = TwoLevel::<f32>::with_aggregates(&operator, scales, None, (CoarseLevelUse::Always, most));
+        let r = operator.share.own_part(&Noise::new(3).vector(mesh.n_cells() * operator.layout.cell_len(), 1.0));
+        let mut z = vec![0.0; r.len()];
+        levels.apply(&r, &mut z);
+        operator.share.join(&z).iter().map(|z| z.to_bits()).collect()
+    };
+    Threads::run(ranks, of_rank).swap_remove(0)
+}
+
+/// Aggregates lie within blocks, and every rank solves for all of them.
+#[test]
+fn the_coarse_level_has_the_same_bits_on_any_number_of_ranks() {
+    let mesh = turned_box::<2>(6);
+    let blocks = Blocks { of_cell: mesh::blocks(&mesh, 4).expect("blocks"), groups: 1 };
+    for most in [36, 12, 4] {
+        let alone = applied(&mesh, &blocks, most, 1);
+        assert!(alone.iter().any(|z| f64::from_bits(*z) != 0.0));
+        for ranks in [2, 3, 4] {
+            assert!(applied(&mesh, &blocks, most, ranks) == alone, "{ranks} ranks, {most} aggregates");
         }
     }
 }

@@ -1,15 +1,17 @@
 //! Aggregates of cells: the supports of the functions of [`super::coarse::CoarseLevel`].
 //!
 //! Rounds of pairing join strongly coupled neighbours: across thin cells first. An aggregate has coordinates that continue the reference
-//! coordinates of one of its cells from neighbour to neighbour, so that coarse functions follow curved and thin cells.
+//! coordinates of one of its cells from neighbour to neighbour, so that coarse functions follow curved and thin cells. Aggregates lie within
+//! blocks of the mesh, so that they do not depend on the number of ranks.
 
 use super::blocks::Link;
 use super::ilu::BlockIlu;
 use basis::{Lagrange, Matrix};
 use faer::Mat;
-use fem::{Coupling, SlabOperator, Stored};
+use fem::{Coupling, Share, SlabOperator, Stored};
 use mesh::{corner_node, face_nodes};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 /// Coarse functions of one component in one direction: 2 of degree 1, or one constant if cells have no more.
 pub fn functions_per_direction(order: usize) -> usize {
@@ -25,7 +27,8 @@ pub struct Neighbourhood<'a> {
     dimension: usize,
     /// Nodes per direction of the lattices.
     order: usize,
-    /// The neighbours of every cell.
+    share: &'a Share,
+    /// The neighbours of every own cell.
     links: &'a [Vec<Link>],
     /// For every coupling the node in the lattice of the face on the plus side, for every node on the minus side.
     lattices: Vec<Vec<usize>>,
@@ -35,13 +38,17 @@ pub struct Neighbourhood<'a> {
     volumes: Vec<f64>,
 }
 
-/// The aggregates.
+/// The aggregates. Their numbers are those in the whole mesh: block by block.
 pub struct Aggregates {
-    /// The aggregate of every cell.
+    /// The aggregate of every own cell and ghost.
     pub of_cell: Vec<usize>,
-    /// The cells of every aggregate.
-    pub cells: Vec<Vec<usize>>,
-    /// The corners of every cell, in the coordinates of its aggregate: a box from -1 to 1.
+    /// The number of aggregates of every rank.
+    pub of_ranks: Vec<usize>,
+    /// The cells of every own aggregate.
+    cells: Vec<Vec<usize>>,
+    /// The first own aggregate.
+    first: usize,
+    /// The corners of every own cell and ghost, in the coordinates of its aggregate: a box from -1 to 1.
     corners: Vec<Vec<Point>>,
 }
 
@@ -58,6 +65,7 @@ impl<'a> Neighbourhood<'a> {
         Neighbourhood {
             dimension: D,
             order: operator.tables.orders.flow,
+            share: &sweeps.share,
             links: sweeps.links(),
             lattices: operator.lattices_of_couplings(),
             strengths: jacobian.couplings.iter().map(strength).collect(),
@@ -65,12 +73,32 @@ impl<'a> Neighbourhood<'a> {
         }
     }
 
-    /// Aggregates, at most as many as `most` if pairing gets there.
+    /// Aggregates, at most as many as `most` if pairing gets there. Each block has as many of them as cells. A collective call.
     pub fn aggregates(&self, most: usize) -> Aggregates {
-        let mut of_cell: Vec<usize> = (0..self.links.len()).collect();
+        let (mut of_cell, mut cells) = (Vec::new(), Vec::new());
+        for ends in self.share.ends.windows(2) {
+            let (block, first) = (ends[0]..ends[1], cells.len());
+            let (groups, count) = self.groups(&block, (most * block.len() / self.share.whole_cells()).max(1));
+            cells.resize(first + count, Vec::new());
+            of_cell.extend(groups.into_iter().map(|group| first + group));
+            block.for_each(|cell| cells[of_cell[cell]].push(cell));
+        }
+        let corners = self.corners(&of_cell, &cells);
+        let of_ranks = self.share.sums.communicator().all_gather(&[cells.len() as f64]);
+        let of_ranks: Vec<usize> = of_ranks.iter().flatten().map(|&count| count as usize).collect();
+        let first = of_ranks[..self.share.sums.communicator().rank()].iter().sum();
+        of_cell.iter_mut().for_each(|aggregate| *aggregate += first);
+        let mut aggregates = Aggregates { of_cell, of_ranks, cells, first, corners };
+        aggregates.meet_ghosts(self.share, 1 << self.dimension);
+        aggregates
+    }
+
+    /// The group of every cell of a `block`, and the number of groups: pairs of cells, pairs of these, until there are at most `most`.
+    fn groups(&self, block: &Range<usize>, most: usize) -> (Vec<usize>, usize) {
+        let mut of_cell: Vec<usize> = (0..block.len()).collect();
         let mut count = of_cell.len();
         while count > most {
-            let pairs = self.pairs(&of_cell, count);
+            let pairs = self.pairs(block, &of_cell, count);
             let mut numbers = vec![usize::MAX; count];
             let mut new = 0;
             for group in 0..count {
@@ -88,20 +116,17 @@ impl<'a> Neighbourhood<'a> {
             of_cell.iter_mut().for_each(|group| *group = numbers[*group]);
             count = new;
         }
-        let mut cells = vec![Vec::new(); count];
-        of_cell.iter().enumerate().for_each(|(cell, &aggregate)| cells[aggregate].push(cell));
-        let corners = self.corners(&of_cell, &cells);
-        Aggregates { of_cell, cells, corners }
+        (of_cell, count)
     }
 
-    /// For every group the one that it is paired with: the strongest couplings, per volume, are taken first.
-    fn pairs(&self, of_cell: &[usize], count: usize) -> Vec<Option<usize>> {
+    /// For every group of a `block` the one that it is paired with: the strongest couplings, per volume, are taken first.
+    fn pairs(&self, block: &Range<usize>, of_cell: &[usize], count: usize) -> Vec<Option<usize>> {
         let mut volumes = vec![0.0; count];
-        of_cell.iter().zip(&self.volumes).for_each(|(&group, volume)| volumes[group] += volume);
+        of_cell.iter().zip(&self.volumes[block.clone()]).for_each(|(&group, volume)| volumes[group] += volume);
         let mut strengths = BTreeMap::new();
-        for (cell, links) in self.links.iter().enumerate() {
-            for link in links {
-                let (a, b) = (of_cell[cell], of_cell[link.cell]);
+        for (&a, links) in of_cell.iter().zip(&self.links[block.clone()]) {
+            for link in links.iter().filter(|link| block.contains(&link.cell)) {
+                let b = of_cell[link.cell - block.start];
                 if a < b {
                     *strengths.entry((a, b)).or_insert(0.0) += self.strengths[link.coupling];
                 }
@@ -120,7 +145,7 @@ impl<'a> Neighbourhood<'a> {
         pairs
     }
 
-    /// The corners of all cells in the coordinates of their aggregates.
+    /// The corners of own cells in the coordinates of their aggregates.
     fn corners(&self, of_cell: &[usize], aggregates: &[Vec<usize>]) -> Vec<Vec<Point>> {
         let mut corners = vec![Vec::new(); of_cell.len()];
         for cells in aggregates {
@@ -131,7 +156,7 @@ impl<'a> Neighbourhood<'a> {
                 let cell = reached[next];
                 next += 1;
                 for link in &self.links[cell] {
-                    if of_cell[link.cell] == of_cell[cell] && corners[link.cell].is_empty() {
+                    if of_cell.get(link.cell) == Some(&of_cell[cell]) && corners[link.cell].is_empty() {
                         corners[link.cell] = self.continued(&corners[cell], link);
                         reached.push(link.cell);
                     }
@@ -161,13 +186,51 @@ impl<'a> Neighbourhood<'a> {
 }
 
 impl Aggregates {
-    /// The aggregates that are beside every aggregate.
-    pub fn neighbours(&self, links: &[Vec<Link>]) -> Vec<Vec<usize>> {
-        let beside = |cells: &Vec<usize>| {
-            let others = cells.iter().flat_map(|&cell| &links[cell]).map(|link| self.of_cell[link.cell]);
-            others.collect()
+    /// Learns of the aggregates of ghosts, whose cells have so many `corners`. A collective call.
+    fn meet_ghosts(&mut self, share: &Share, corners: usize) {
+        let numbers = |(&aggregate, corners): (&usize, &Vec<Point>)| -> Vec<f64> {
+            std::iter::once(aggregate as f64).chain(corners.iter().flatten().copied()).collect()
         };
-        self.cells.iter().map(beside).collect()
+        let own: Vec<f64> = self.of_cell.iter().zip(&self.corners).flat_map(numbers).collect();
+        let (len, mut all) = (1 + 3 * corners, Vec::new());
+        share.with_ghosts(&own, len, &mut all);
+        for ghost in all[own.len()..].chunks_exact(len) {
+            self.of_cell.push(ghost[0] as usize);
+            self.corners.push(ghost[1..].chunks_exact(3).map(|point| [point[0], point[1], point[2]]).collect());
+        }
+    }
+
+    /// The number of all aggregates.
+    pub fn count(&self) -> usize {
+        self.of_ranks.iter().sum()
+    }
+
+    /// The own aggregates.
+    pub fn own(&self) -> Range<usize> {
+        self.first..self.first + self.cells.len()
+    }
+
+    /// The cells of an own aggregate; none of others.
+    pub fn own_cells(&self, aggregate: usize) -> &[usize] {
+        aggregate.checked_sub(self.first).and_then(|number| self.cells.get(number)).map_or(&[], Vec::as_slice)
+    }
+
+    /// Every aggregate with those beside it, in increasing order. A collective call.
+    pub fn neighbourhoods(&self, links: &[Vec<Link>], share: &Share) -> Vec<Vec<usize>> {
+        let around = |aggregate: usize| {
+            let beside = self.own_cells(aggregate).iter().flat_map(|&cell| &links[cell]);
+            let all: BTreeSet<usize> = beside.map(|link| self.of_cell[link.cell]).chain([aggregate]).collect();
+            std::iter::once(all.len()).chain(all).map(|number| number as f64).collect::<Vec<f64>>()
+        };
+        let own: Vec<f64> = self.own().flat_map(around).collect();
+        let all = share.sums.communicator().all_gather(&own).concat();
+        let (mut rest, mut neighbourhoods) = (&all[..], Vec::with_capacity(self.count()));
+        while let [count, others @ ..] = rest {
+            let (beside, others) = others.split_at(*count as usize);
+            neighbourhoods.push(beside.iter().map(|&aggregate| aggregate as usize).collect());
+            rest = others;
+        }
+        neighbourhoods
     }
 
     /// The values of the functions of the aggregate of `cell` at its nodes, `[node][function]`: products of (1 - X) / 2 and (1 + X) / 2 in

@@ -7,17 +7,22 @@
 //! for every mode, with the sweeps S of its factors. The coarse space consists of the polynomials of degree 1 in every direction on
 //! [`Aggregates`] of cells, and P has their values at the nodes. There are so few aggregates that their direct solver costs less than the
 //! sweeps; on small meshes every cell is one. B P is kept, so that a product with B costs no more than the few columns of P.
+//!
+//! Every rank makes P and B P of its own cells. The coarse matrix and its right-hand sides are joined on all ranks, and each solves for all
+//! coarse unknowns: a message for each application, and the same bits on any number of ranks.
+
+mod matrix;
 
 use super::aggregates::{Aggregates, Neighbourhood, functions_per_direction};
 use super::blocks::{Link, coupling_block};
 use super::coarse_modes::{CoarseMode, Entry, products_with, solve_modes};
 use super::ilu::BlockIlu;
 use super::panel::padded;
-use basis::{TemporalModes, is_real};
+use basis::TemporalModes;
 use faer::{Mat, c64};
-use fem::{Layout, SlabOperator, TraceSpace};
+use fem::{Layout, Share, SlabOperator, TraceSpace};
 use rayon::prelude::*;
-use sparse::{BlockMatrix, EliminationTree, Kind, Scalar};
+use sparse::{BlockMatrix, EliminationTree, Kind};
 use std::sync::Arc;
 
 /// The part of B P that a link brings to its cell: rows traces of the cell, columns functions of the aggregate of the neighbour.
@@ -32,16 +37,16 @@ pub struct CoarseLevel<T: Entry> {
     aggregates: Aggregates,
     /// Coarse unknowns of an aggregate.
     block: usize,
-    /// P of every cell, one component: `[node][function]`.
+    /// P of every own cell and ghost, one component: `[node][function]`.
     prolongations: Vec<Mat<T>>,
-    /// dt sum_k A_ik P_k of every cell i over the cells k of its aggregate.
+    /// dt sum_k A_ik P_k of every own cell i over the cells k of its aggregate.
     images: Vec<Mat<T>>,
-    /// M_i P_i of every cell, one component.
+    /// M_i P_i of every own cell, one component.
     masses: Vec<Mat<T>>,
-    /// dt A_ik P_k of every cell i and its neighbours k in other aggregates.
+    /// dt A_ik P_k of every own cell i and its neighbours k in other aggregates.
     coupled: Vec<Vec<CoupledImage<T>>>,
-    /// The aggregates beside every aggregate.
-    neighbours: Vec<Vec<usize>>,
+    /// Every aggregate with those beside it: the columns of its rows in the coarse matrix.
+    columns: Vec<Vec<usize>>,
     tree: Arc<EliminationTree>,
     /// The factors for every mode.
     modes: Vec<CoarseMode<T>>,
@@ -53,49 +58,50 @@ pub struct CoarseLevel<T: Entry> {
 
 impl<T: Entry> CoarseLevel<T> {
     /// The coarse level of the modes of `sweeps`, which precondition the flow of `operator`; `damping` is added to all lambda. There are at most
-    /// `most` aggregates. None if a coarse matrix is singular.
-    ///
-    /// # Errors
-    /// If memory runs out.
+    /// `most` aggregates. None if a coarse matrix is singular, or memory runs out on a rank. A collective call.
     pub fn new<const D: usize, const M: usize>(
         operator: &SlabOperator<D, M>,
         sweeps: &BlockIlu<T>,
         damping: f64,
         most: usize,
-    ) -> Result<Option<Self>, sparse::Error> {
-        let (layout, order) = (sweeps.layout, operator.tables.orders.flow);
+    ) -> Option<Self> {
+        let (layout, share, order) = (sweeps.layout, &sweeps.share, operator.tables.orders.flow);
         let per_direction = functions_per_direction(order);
         let aggregates = Neighbourhood::new(operator, sweeps).aggregates(most);
         let prolongation = |cell| aggregates.prolongation(cell, order, D, per_direction);
         let block = M * per_direction.pow(D as u32);
-        let neighbours = aggregates.neighbours(sweeps.links());
+        let columns = aggregates.neighbourhoods(sweeps.links(), share);
+        let tree = BlockMatrix::<T>::new(Kind::Lu, block, columns.clone()).elimination_tree().ok();
         let coarse = CoarseLevel {
             layout,
             block,
-            prolongations: (0..layout.cells).map(|cell| entries(&prolongation(cell))).collect(),
+            prolongations: (0..share.cells().count()).map(|cell| entries(&prolongation(cell))).collect(),
             images: Vec::new(),
             masses: Vec::new(),
             coupled: Vec::new(),
-            tree: Arc::new(BlockMatrix::<T>::new(Kind::Lu, block, neighbours.clone()).elimination_tree()?),
-            neighbours,
+            columns,
+            tree: Arc::new(on_all_ranks(share, tree)?),
             modes: Vec::new(),
             shifted: Vec::new(),
-            coefficients: vec![T::default(); sweeps.modes.forward.rows() * aggregates.cells.len() * block],
+            coefficients: vec![T::default(); sweeps.modes.forward.rows() * aggregates.count() * block],
             aggregates,
         };
-        Ok(coarse.updated(sweeps, damping))
+        coarse.updated(sweeps, damping)
     }
 
-    /// The same with the dt and the A that `sweeps` have now; None if a coarse matrix is singular.
+    /// The same with the dt and the A that `sweeps` have now; None if a coarse matrix is singular, or memory runs out on a rank. A collective
+    /// call.
     pub fn updated(mut self, sweeps: &BlockIlu<T>, damping: f64) -> Option<Self> {
         // The memory of old factors is free before new ones are made.
         self.modes = Vec::new();
-        let mass = |(cell, p): (usize, &Mat<T>)| scaled(1.0, sweeps.jacobian.mass_of(cell), self.layout.nodes) * p;
-        self.masses = self.prolongations.par_iter().enumerate().map(mass).collect();
+        let mass = |cell| scaled(1.0, sweeps.jacobian.mass_of(cell), self.layout.nodes) * &self.prolongations[cell];
+        self.masses = (0..self.layout.cells).into_par_iter().map(mass).collect();
         let images = (0..self.layout.cells).into_par_iter().map(|cell| self.images_of(sweeps, cell));
         (self.images, self.coupled) = images.unzip();
+        let rows = self.all_rows(&sweeps.jacobian.traces, &sweeps.share);
         let shifts: Vec<c64> = sweeps.modes.eigenvalues.iter().map(|lambda| lambda + damping).collect();
-        self.modes = shifts.iter().map(|lambda| self.factored(sweeps, *lambda)).collect::<Option<_>>()?;
+        let modes = shifts.iter().map(|lambda| self.factored(&rows, *lambda)).collect();
+        self.modes = on_all_ranks(&sweeps.share, modes)?;
         self.shifted = products_with(&shifts);
         Some(self)
     }
@@ -129,36 +135,18 @@ impl<T: Entry> CoarseLevel<T> {
         })
     }
 
-    /// The factors of a mode; None if its matrix is singular.
-    fn factored(&self, sweeps: &BlockIlu<T>, lambda: c64) -> Option<CoarseMode<T>> {
-        let tree = self.tree.clone();
-        let (re, im) = (T::of(lambda.re), T::of(lambda.im));
-        Some(if is_real(lambda) {
-            let matrix = self.assemble(sweeps, |a, m| a + re * m);
-            CoarseMode::Real(matrix.factor(tree).ok()?, Vec::new())
-        } else {
-            let matrix = self.assemble(sweeps, |a, m| T::pair(a + re * m, im * m));
-            CoarseMode::Complex(matrix.factor(tree).ok()?, Default::default())
-        })
-    }
-
-    /// P^T B P, with `entry`(dt P^T A P, P^T M P).
-    fn assemble<E: Scalar>(&self, sweeps: &BlockIlu<T>, entry: impl Fn(T, T) -> E) -> BlockMatrix<E> {
-        let of_cell = &self.aggregates.of_cell;
-        let mut matrix = BlockMatrix::new(Kind::Lu, self.block, self.neighbours.clone());
-        for (cell, (image, coupled)) in self.images.iter().zip(&self.coupled).enumerate() {
-            let (p, functions) = (self.over_components(cell), self.prolongations[cell].ncols());
-            let (own, mass) = (p.transpose() * image, self.prolongations[cell].transpose() * &self.masses[cell]);
-            matrix.add(of_cell[cell], of_cell[cell], |i, j| {
-                let same = i / functions == j / functions;
-                entry(own[(i, j)], if same { mass[(i % functions, j % functions)] } else { T::default() })
-            });
-            for CoupledImage { link, image } in coupled {
-                let block = traces_of(&sweeps.jacobian.traces, link.face, &p).transpose() * image;
-                matrix.add(of_cell[cell], of_cell[link.cell], |i, j| entry(block[(i, j)], T::default()));
-            }
+    /// The numbers of all aggregates from those of `own` ones, `len` of each. A collective call.
+    fn joined(&self, share: &Share, own: Vec<T>, len: impl Fn(usize) -> usize) -> Vec<T> {
+        if !share.is_distributed() {
+            return own;
         }
-        matrix
+        let mut first = 0;
+        let lengths = self.aggregates.of_ranks.iter().map(|count| {
+            first += count;
+            (first - count..first).map(&len).sum()
+        });
+        let (own, lengths): (Vec<f64>, Vec<usize>) = (own.into_iter().map(Into::into).collect(), lengths.collect());
+        share.sums.communicator().all_gather_known(&own, &lengths).into_iter().map(T::of).collect()
     }
 
     /// Bytes of B P and of the factors.
@@ -172,17 +160,19 @@ impl<T: Entry> CoarseLevel<T> {
     /// The steps of (two-level) before the sweeps: x_1, and the right-hand sides c - B x_1, with c of r / `scale`.
     pub(super) fn solve(&mut self, sweeps: &mut BlockIlu<T>, r: &[f64], scale: f64) {
         self.restrict(&sweeps.modes, r, scale);
-        solve_modes(&mut self.modes, self.aggregates.cells.len() * self.block, &mut self.coefficients);
+        self.join_coefficients(&sweeps.share);
+        solve_modes(&mut self.modes, self.aggregates.count() * self.block, &mut self.coefficients);
         self.subtract_images(sweeps, r, scale);
     }
 
-    /// P^T c. It is made of r itself: if the coarse matrix is nearly singular, rounded sides would excite its null space.
+    /// P^T c of own aggregates. It is made of r itself: if the coarse matrix is nearly singular, rounded sides would excite its null space.
     fn restrict(&mut self, modes: &TemporalModes, r: &[f64], scale: f64) {
-        let (layout, aggregates, prolongations) = (self.layout, &self.aggregates.cells, &self.prolongations);
+        let (layout, aggregates, prolongations) = (self.layout, &self.aggregates, &self.prolongations);
+        let count = aggregates.count();
         self.coefficients.par_chunks_exact_mut(self.block).enumerate().with_min_len(16).for_each(|(k, coarse)| {
-            let column = k / aggregates.len();
+            let column = k / count;
             coarse.fill(T::default());
-            for &cell in &aggregates[k % aggregates.len()] {
+            for &cell in aggregates.own_cells(k % count) {
                 let p = &prolongations[cell];
                 for a in 0..layout.time_order {
                     let weight = modes.forward[(column, a)] / scale;
@@ -198,9 +188,25 @@ impl<T: Entry> CoarseLevel<T> {
         });
     }
 
+    /// Joins P^T c of all ranks. A collective call.
+    fn join_coefficients(&mut self, share: &Share) {
+        if !share.is_distributed() {
+            return;
+        }
+        let (block, count, own) = (self.block, self.aggregates.count(), self.aggregates.own());
+        let columns = self.coefficients.len() / (count * block);
+        // All columns of an aggregate travel together.
+        let of_aggregate = |k: usize| (0..columns).map(move |column| (column * count + k) * block);
+        let packed = own.flat_map(of_aggregate).flat_map(|first| self.coefficients[first..first + block].to_vec());
+        let all = self.joined(share, packed.collect(), |_| columns * block);
+        for (first, part) in (0..count).flat_map(of_aggregate).zip(all.chunks_exact(block)) {
+            self.coefficients[first..first + block].copy_from_slice(part);
+        }
+    }
+
     /// x of the aggregate of a cell in a column.
     fn x(&self, column: usize, cell: usize) -> &[T] {
-        let first = (column * self.aggregates.cells.len() + self.aggregates.of_cell[cell]) * self.block;
+        let first = (column * self.aggregates.count() + self.aggregates.of_cell[cell]) * self.block;
         &self.coefficients[first..first + self.block]
     }
 
@@ -209,7 +215,8 @@ impl<T: Entry> CoarseLevel<T> {
         let (rows, n) = (padded(sweeps.jacobian.block), sweeps.jacobian.block);
         let (traces, modes) = (&sweeps.jacobian.traces, &sweeps.modes);
         let cells = sweeps.swept.par_iter_mut().zip(&sweeps.ordering.cells).with_min_len(16);
-        cells.for_each_init(
+        let own = cells.filter(|(_, cell)| **cell < self.layout.cells);
+        own.for_each_init(
             || (vec![T::default(); n], vec![T::default(); traces.len()]),
             |(rest, sent), (swept, &cell)| {
                 for (column, c) in swept.get().right_side.chunks_exact_mut(rows).enumerate() {
@@ -277,6 +284,12 @@ impl<T: Entry> CoarseLevel<T> {
             }
         });
     }
+}
+
+/// `result`, if all ranks have one. A collective call.
+fn on_all_ranks<R>(share: &Share, result: Option<R>) -> Option<R> {
+    let failed = share.sums.largest(if result.is_none() { 1.0 } else { 0.0 }) > 0.0;
+    result.filter(|_| !failed)
 }
 
 /// factor A for a square matrix of n rows, by columns.

@@ -123,11 +123,16 @@ impl<T: Stored> BlockIlu<T> {
         self.factor_beside(scales, other)
     }
 
-    /// Factors the modes while `other` works.
+    /// Factors the modes while `other` works. Several ranks do one after the other: both may talk to other ranks.
     pub(super) fn factor_beside<R: Send>(&mut self, scales: TimeScales, other: impl FnOnce(&Self) -> R + Send) -> R {
         self.dt = scales.dt;
         let mut inverses = std::mem::take(&mut self.inverses);
-        let ((), result) = rayon::join(|| self.factorise(scales, &mut inverses), || other(self));
+        let result = if self.share.is_distributed() {
+            self.factorise(scales, &mut inverses);
+            other(self)
+        } else {
+            rayon::join(|| self.factorise(scales, &mut inverses), || other(self)).1
+        };
         self.inverses = inverses;
         result
     }

@@ -68,7 +68,7 @@ impl<T: Entry> TwoLevel<T> {
         (when, most): (CoarseLevelUse, usize),
     ) -> Self {
         let mut sweeps = BlockIlu::unfactored(operator, scales.dt, ordering);
-        let new = |sweeps: &BlockIlu<T>| CoarseLevel::new(operator, sweeps, scales.damping, most).ok().flatten();
+        let new = |sweeps: &BlockIlu<T>| CoarseLevel::new(operator, sweeps, scales.damping, most);
         let coarse = sweeps.factor_beside(scales, |sweeps| if when.serves(scales) { new(sweeps) } else { None });
         TwoLevel { sweeps, coarse, when, most }
     }
@@ -84,7 +84,7 @@ impl<const D: usize, const M: usize, T: Entry + 'static> FlowPreconditioner<D, M
         self.coarse = self.sweeps.update_beside(flow, scales, |sweeps| match old {
             _ if !when.serves(scales) => None,
             Some(coarse) => coarse.updated(sweeps, scales.damping),
-            None => CoarseLevel::new(flow, sweeps, scales.damping, most).ok().flatten(),
+            None => CoarseLevel::new(flow, sweeps, scales.damping, most),
         });
         self
     }
