@@ -1,16 +1,17 @@
 //! Checks used by several sections of a case. Every method names the key of its error.
 
+mod boundaries;
+mod formulas;
+
 use super::cause::Cause;
-use super::choices::choices;
 use super::consequences::Damage;
 use super::document::Document;
-use super::error::{CaseError, Errors, collected};
+use super::error::{CaseError, Errors};
 use super::key::Key;
 use super::magnitude::{self, is_computable};
-use super::raw::{Axis, Field, Formula};
-use super::vector::Vector;
+use super::raw::{Axis, Formula};
 use crate::checked::Control;
-use crate::expression::{ExpressionError, Names, Problem, Program, Table};
+use crate::expression::{Names, Table};
 use navier_stokes::InvalidParameter;
 use serde::Serialize;
 use std::cell::RefCell;
@@ -37,9 +38,6 @@ pub(super) struct Sound<'a> {
 
 /// The name for all boundaries that are not named.
 pub(super) const OTHERS: &str = "others";
-
-/// Where formulas may contain controls.
-const CONTROLLED: [&str; 2] = ["flow.source", "flow.boundary"];
 
 const FREE_NAME: &str = "another name, of letters, digits and _; not x, y, z, s, t, pi, a function or a constant";
 
@@ -262,173 +260,4 @@ impl<'a> Checker<'a> {
     pub(super) fn physics<T>(&self, key: &Key, result: Result<T, InvalidParameter>) -> Checked<T> {
         result.map_err(|error| self.error(key, Cause::Physics(error)))
     }
-
-    /// A formula in the position.
-    pub(super) fn formula_of_position<const D: usize>(&self, key: &Key, formula: &Formula) -> Checked<Program> {
-        self.program(key, formula, &self.names.with_coordinates(D))
-    }
-
-    /// A formula in position and time.
-    pub(super) fn formula<const D: usize>(&self, key: &Key, formula: &Formula) -> Checked<Program> {
-        self.program(key, formula, &self.names.with_coordinates(D).with_time())
-    }
-
-    /// A formula in what a control measures, its value and the time.
-    pub(super) fn formula_of_control(&self, key: &Key, formula: &Formula) -> Checked<Program> {
-        self.program(key, formula, &self.names.with_fields(["measured", "value"].into_iter()).with_time())
-    }
-
-    /// A formula in time.
-    pub(super) fn formula_of_time(&self, key: &Key, formula: &Formula) -> Checked<Program> {
-        self.program(key, formula, &self.names.with_time())
-    }
-
-    /// A formula in position, time and the arc length s.
-    pub(super) fn formula_on_boundary<const D: usize>(&self, key: &Key, formula: &Formula) -> Checked<Program> {
-        self.program(key, formula, &self.names.with_coordinates(D).with_time().with_arc_length())
-    }
-
-    /// A formula in position, time and the fields of a flow.
-    pub(super) fn formula_of_fields<const D: usize>(&self, key: &Key, formula: &Formula) -> Checked<Program> {
-        let names = self.names.with_coordinates(D).with_time().with_fields(Field::components_of_flow(D));
-        self.program(key, formula, &names)
-    }
-
-    /// A formula in position and time for each axis.
-    pub(super) fn formulas<const D: usize>(&self, key: &Key, formulas: &[Formula]) -> Checked<Vector<D>> {
-        self.programs(key, formulas, &self.names.with_coordinates(D).with_time())
-    }
-
-    /// A formula in the position for each axis.
-    pub(super) fn formulas_of_position<const D: usize>(&self, key: &Key, formulas: &[Formula]) -> Checked<Vector<D>> {
-        self.programs(key, formulas, &self.names.with_coordinates(D))
-    }
-
-    /// A formula in time for each axis.
-    pub(super) fn formulas_of_time<const D: usize>(&self, key: &Key, formulas: &[Formula]) -> Checked<Vector<D>> {
-        self.programs(key, formulas, &self.names.with_time())
-    }
-
-    /// The value of a formula of constants.
-    pub(super) fn number(&self, key: &Key, formula: &Formula) -> Checked<f64> {
-        Ok(self.program(key, formula, &self.names)?.evaluate(&[], 0.0))
-    }
-
-    fn programs<const D: usize>(&self, key: &Key, formulas: &[Formula], names: &Names) -> Checked<Vector<D>> {
-        let formulas: [Formula; D] = self.vector(key, formulas)?;
-        let program = |(axis, formula): (usize, &Formula)| self.program(&key.entry(axis), formula, names);
-        let programs = collected(formulas.iter().enumerate().map(program))?;
-        Ok(Vector::new(self.vector(key, &programs)?))
-    }
-
-    fn program(&self, key: &Key, formula: &Formula, names: &Names) -> Checked<Program> {
-        match formula {
-            Formula::Number(value) => Ok(Program::constant(*value)),
-            Formula::Text(text) => {
-                let may_be_controlled = CONTROLLED.iter().any(|section| key.to_string().starts_with(section));
-                let controls = self.controls.iter().filter(|_| may_be_controlled);
-                let names = names.with_controls(controls.map(|control| (control.name.clone(), control.value.clone())));
-                let program = Program::compile(text, &names).map_err(|error| self.wrong_formula(key, error))?;
-                // Where a formula has no value, the place where one is needed is told.
-                let constant = program.as_constant().filter(|value| value.is_finite());
-                self.computable(key, "the formula", constant.unwrap_or(0.0))?;
-                Ok(program)
-            }
-        }
-    }
-
-    /// The error of a formula. A name whose definition has an error is not an error of the formula.
-    fn wrong_formula(&self, key: &Key, error: ExpressionError) -> Box<CaseError> {
-        match &error.problem {
-            Problem::UnknownName { name, .. } if self.damage.hides_name(name) => self.follows(key),
-            _ => self.error(key, Cause::Expression(error)),
-        }
-    }
-
-    /// The indices of the boundaries of the mesh with these `names`.
-    pub(super) fn boundaries(&self, key: &Key, names: &[String], known: &[String]) -> Checked<Vec<usize>> {
-        let index = |(entry, name): (usize, &String)| {
-            let unknown = || {
-                let cause =
-                    Cause::Unknown { kind: "boundary", name: name.clone(), accepted: known.to_vec(), belongs: None };
-                self.error(&key.entry(entry), cause)
-            };
-            known.iter().position(|other| other == name).ok_or_else(unknown)
-        };
-        collected(self.distinct(key, "boundary", names)?.iter().enumerate().map(index))
-    }
-
-    /// For each of the `boundaries` of the mesh its entry in the table `given` at `key`, with the key of that entry.
-    pub(super) fn by_boundary<'b, T>(
-        &self,
-        key: &Key,
-        kind: &'static str,
-        given: &'b BTreeMap<String, T>,
-        boundaries: &[String],
-    ) -> Checked<Vec<(Key, &'b T)>> {
-        self.known_boundaries(key, given, boundaries)?;
-        let entry = |boundary: &String| given.get_key_value(name_of(given, boundary));
-        let names: Vec<String> = boundaries.iter().filter(|boundary| entry(boundary).is_none()).cloned().collect();
-        if !names.is_empty() {
-            let choices = choices(&key.child("others"));
-            return Err(self.error(key, Cause::NoCondition { names, kind, choices }));
-        }
-        Ok(boundaries.iter().filter_map(entry).map(|(name, value)| (key.child(name), value)).collect())
-    }
-
-    /// The same if boundaries need no entry.
-    pub(super) fn by_boundary_or_default<T: Clone + Default>(
-        &self,
-        key: &Key,
-        given: &BTreeMap<String, T>,
-        boundaries: &[String],
-    ) -> Checked<Vec<(Key, T)>> {
-        self.known_boundaries(key, given, boundaries)?;
-        let entry = |boundary: &String| {
-            let name = name_of(given, boundary);
-            (key.child(name), given.get(name).cloned().unwrap_or_default())
-        };
-        Ok(boundaries.iter().map(entry).collect())
-    }
-
-    /// The same for those boundaries that have an entry; nothing is an error.
-    pub(super) fn entries_of_boundaries<'b, T>(
-        &self,
-        key: &Key,
-        given: &'b BTreeMap<String, T>,
-        boundaries: &[String],
-    ) -> Vec<(usize, Key, &'b T)> {
-        let entry = |(index, boundary): (usize, &String)| {
-            let (name, value) = given.get_key_value(name_of(given, boundary))?;
-            Some((index, key.child(name), value))
-        };
-        boundaries.iter().enumerate().filter_map(entry).collect()
-    }
-
-    /// The entries of the table `given` that belong to no boundary of the mesh, with their keys.
-    pub(super) fn entries_of_none<'b, T>(
-        &self,
-        key: &Key,
-        given: &'b BTreeMap<String, T>,
-        boundaries: &[String],
-    ) -> Vec<(Key, &'b T)> {
-        let is_unknown = |name: &String| *name != OTHERS && !boundaries.contains(name);
-        given.iter().filter(|(name, _)| is_unknown(name)).map(|(name, value)| (key.child(name), value)).collect()
-    }
-
-    /// Checks that the table `given` names only boundaries of the mesh.
-    fn known_boundaries<T>(&self, key: &Key, given: &BTreeMap<String, T>, boundaries: &[String]) -> Checked<()> {
-        let accepted: Vec<String> = boundaries.iter().cloned().chain([OTHERS.to_owned()]).collect();
-        let check = |name: &String| {
-            let unknown =
-                || Cause::Unknown { kind: "boundary", name: name.clone(), accepted: accepted.clone(), belongs: None };
-            if accepted.contains(name) { Ok(()) } else { Err(self.error(&key.child(name), unknown())) }
-        };
-        collected(given.keys().map(check)).map(drop)
-    }
-}
-
-/// The name under which `boundary` is found in the table `given`: its own, or the name for all others.
-fn name_of<'b, T>(given: &BTreeMap<String, T>, boundary: &'b str) -> &'b str {
-    if given.contains_key(boundary) { boundary } else { OTHERS }
 }

@@ -54,9 +54,10 @@ impl StepControl {
         (dt * ratio.clamp(0.25, 2.0)).clamp(self.smallest, self.largest)
     }
 
-    /// Whether a slab of length `dt` with this `jump` has to be repeated with a shorter one.
+    /// Whether a slab of length `dt` with this `jump` has to be repeated with a shorter one. The shortest slab may be longer by rounding, or
+    /// by a sliver before the end: a repetition would be the same slab.
     pub fn rejects(&self, dt: f64, jump: f64) -> bool {
-        jump > TOO_LARGE * self.tolerance && dt > self.smallest
+        jump > TOO_LARGE * self.tolerance && dt > (1.0 + 2.0 * SLIVER) * self.smallest
     }
 }
 
@@ -180,6 +181,21 @@ mod tests {
         assert_eq!(CONTROL.next(0.9, 0.0, 2), 1.0);
         assert_eq!(CONTROL.next(0.002, 1.0, 2), 1e-3);
         assert!(CONTROL.rejects(0.1, 3e-3) && !CONTROL.rejects(0.1, 1e-3) && !CONTROL.rejects(1e-3, 1.0));
+    }
+
+    /// The same slab was repeated for ever if it was the shortest one up to rounding, or up to the sliver that the last slab takes.
+    #[test]
+    fn the_shortest_slab_is_accepted_at_any_time() {
+        let control = StepControl { tolerance: 1e-14, smallest: 0.05, largest: 1.0 };
+        for end in [1.0, 0.100_4] {
+            let adapted = Schedule { end, ..schedule(Some(control)) };
+            let mut state = state(0.0, 0.05);
+            while !adapted.is_done(&state) {
+                let interval = adapted.next(&state);
+                assert!(!adapted.repeats(&mut state, interval, 1e3, 2), "{interval:?}");
+                state.time = interval.end;
+            }
+        }
     }
 
     #[test]

@@ -22,6 +22,17 @@ pub enum SlabError {
         /// What was found.
         quality: MeshQuality,
     },
+    /// The rotation vector of a body that turns about several axes ends at a full turn.
+    #[error(
+        "body \"{body}\" has turned by {angle:.3}, nearly a full turn: its rotation vector ends at 2 pi. Let it turn about a single axis, or end the run \
+         earlier"
+    )]
+    FullTurn {
+        /// The body.
+        body: String,
+        /// The length of the rotation vector.
+        angle: f64,
+    },
     /// Neither the extrapolated nor the constant guess is admissible.
     #[error("no admissible guess")]
     Guess(#[from] Inadmissible),

@@ -32,7 +32,7 @@ use newton_krylov::pseudo_time;
 const LONG: f64 = 1e12;
 
 /// The smallest eta of a step that is damped. Such a step follows the flow in time and does not end at a solution.
-const LOOSE: f64 = 0.02;
+const LOOSE: f64 = 0.1;
 
 /// Replaces `u` by the steady flow of the data at `time`, found from `u` by pseudo-time on the mesh of `problem` displaced by `d`.
 /// `problem` has one node in time and a mesh that stands still; 1/dtau of the settings is per time unit. Tolerance and 1/dtau are those

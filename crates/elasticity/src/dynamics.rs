@@ -127,6 +127,12 @@ impl<const D: usize> Dynamics<D> {
         v: &mut [f64],
     ) -> Result<DynamicsReport, ElasticityError> {
         let forces_at = |v: &[f64]| slab.residual(forces, v, &mut vec![0.0; v.len()]);
+        if forces_at(v).is_err() {
+            // The velocities at the bottom would turn cells inside out before the top.
+            let guess = v.to_vec();
+            v.fill(0.0);
+            slab.structure.at_fixed(v, |i| guess[i]);
+        }
         let mut motion = StructureMotion { slab: *slab, forces, modal: &self.modal };
         let large_displacement::Work { steps, iterations } =
             large_displacement::solve(&mut motion, &forces_at, slab.bottom.time, v)?;

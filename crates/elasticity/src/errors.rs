@@ -147,7 +147,7 @@ pub enum ElasticityError {
     },
 }
 
-/// The displacement inverts a cell at a point where its energy is integrated: a neo-Hookean mesh has no stress there.
+/// The displacement inverts a cell at a point where its energy is integrated: laws of large displacement have no stress there.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[error("the displacement d inverts cell {cell}: det(I + grad d) = {volume_ratio:e} at a point of its energy")]
 pub struct Inversion {

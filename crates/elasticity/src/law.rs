@@ -134,11 +134,12 @@ impl Hyperelastic for NeoHookean {
 pub(crate) struct StVenantKirchhoff(pub(crate) Lame);
 
 impl PointLaw for StVenantKirchhoff {
-    const HAS_BARRIER: bool = false;
+    // Its energy is finite for any F, but a body that is turned inside out is none.
+    const HAS_BARRIER: bool = true;
     #[inline(always)]
     fn stress<T: Real, const D: usize>(self, gradient: &[[T; D]; D], _: &[[T; D]; D]) -> PointStress<T, D> {
         let (f, second) = (plus_identity(gradient), Lame::stress(&self.0, &green_strain(gradient)));
-        PointStress { piola: times_symmetric(&f, &second), volume_ratio: f[0][0].constant(1.0) }
+        PointStress { piola: times_symmetric(&f, &second), volume_ratio: determinant(&f, &cofactor(&f)) }
     }
 }
 

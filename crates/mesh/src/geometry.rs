@@ -109,16 +109,20 @@ impl<const D: usize> Mesh<D> {
         self.volumes_and_centroids().iter().map(|(volume, _)| volume).sum()
     }
 
-    /// The aspect ratio of `cell`: the longest over the shortest of the D lines that join the centres of opposite faces,
-    /// measured between their ends.
+    /// The aspect ratio of `cell`: the longest over the shortest of its [`Self::extents`].
     pub fn aspect_ratio(&self, cell: usize) -> f64 {
+        let lengths = self.extents(cell);
+        lengths.iter().fold(0.0, |m: f64, l| m.max(*l)) / lengths.iter().fold(f64::INFINITY, |m, l| m.min(*l))
+    }
+
+    /// The distances of the centres of opposite faces of `cell`, in any direction of space.
+    pub fn extents(&self, cell: usize) -> [f64; D] {
         let centre = |axis: usize, side: f64| self.position(cell, &from_fn(|a| if a == axis { side } else { 0.0 }));
         let length = |axis: usize| {
             let (low, high) = (centre(axis, -1.0), centre(axis, 1.0));
             norm(&from_fn::<f64, D, _>(|i| high[i] - low[i]))
         };
-        let lengths: [f64; D] = from_fn(length);
-        lengths.iter().fold(0.0, |m: f64, l| m.max(*l)) / lengths.iter().fold(f64::INFINITY, |m, l| m.min(*l))
+        from_fn(length)
     }
 
     /// The box along the axes that contains the nodes of `cell`: its lower and upper corner.
@@ -242,6 +246,18 @@ mod tests {
         let brick =
             BoxMesh { lower: [0.0; 3], upper: [2.0, 3.0, 9.0], cells: [2; 3], order: 3, curving, periodic: [false; 3] };
         assert!((brick.build().unwrap().scrambled(1).aspect_ratio(5) - 4.5).abs() < 1e-14);
+    }
+
+    /// Boxes around cells along the axes told 0.0714 for cells of 0.1 by 0.001 that lie across.
+    #[test]
+    fn extents_do_not_depend_on_the_direction_of_a_cell() {
+        let c = 0.5_f64.sqrt();
+        let turned = |[x, y]: [f64; 2]| [c * (x - y), c * (x + y)];
+        let corners = [[0.0, 0.0], [0.1, 0.0], [0.0, 0.001], [0.1, 0.001]].map(turned).concat();
+        let sides = (0..4).map(|face| crate::Side { cell: 0, face }).collect();
+        let mesh = Mesh::<2>::new(2, vec![0, 1, 2, 3], corners, vec![("wall".to_owned(), sides)], vec![]).unwrap();
+        let [along, across] = mesh.extents(0);
+        assert!((along - 0.1).abs() < 1e-15 && (across - 0.001).abs() < 1e-15, "{along} {across}");
     }
 
     #[test]

@@ -85,7 +85,7 @@ impl RunDirectory {
     }
 
     /// Removes files that would be mistaken for the work of the new run: the old summary and, unless the run is resumed, the old
-    /// result and the `others` made from it.
+    /// result with its lines, slices and surfaces, and the `others` made from it.
     ///
     /// # Errors
     /// [`OutputError::File`] if the system refuses.
@@ -94,8 +94,33 @@ impl RunDirectory {
         if resumed {
             return Ok(());
         }
-        [&[RESULT_FILE], others].concat().iter().try_for_each(|name| remove(&self.path().join(name)))
+        [&[RESULT_FILE], others].concat().iter().try_for_each(|name| remove(&self.path().join(name)))?;
+        self.clear_series()
     }
+
+    /// Removes lines, slices and surfaces, which have names of their own in every case.
+    fn clear_series(&self) -> Result<(), OutputError> {
+        let failed = |source| file_error(self.path(), source);
+        for entry in fs::read_dir(self.path()).map_err(failed)? {
+            let path = entry.map_err(failed)?.path();
+            if is_of_series(&path) {
+                remove(&path)?;
+            }
+            let is_slice = path.extension().is_some_and(|extension| extension == "pvd");
+            let slabs = path.with_extension("");
+            if is_slice && is_of_series(&path) && slabs.is_dir() {
+                fs::remove_dir_all(&slabs).map_err(|source| file_error(&slabs, source))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether a run writes a line, slice or surface to a file of this name.
+fn is_of_series(path: &Path) -> bool {
+    let Some(name) = path.file_name().and_then(|name| name.to_str()) else { return false };
+    let kinds = [("line_", ".csv"), ("surface_", ".csv"), ("surface_", ".vtkhdf"), ("slice_", ".pvd")];
+    kinds.iter().any(|(prefix, extension)| name.starts_with(prefix) && name.ends_with(extension))
 }
 
 /// Removes a file, if it is there.
@@ -129,8 +154,15 @@ mod tests {
         let held = RunDirectory::open(directory.path()).unwrap();
         held.clear(true, &["report.html"]).unwrap();
         assert!(find().unwrap().has_checkpoint);
+        let series = ["line_a.csv", "surface_b.csv", "surface_b.vtkhdf", "slice_c.pvd"];
+        series.iter().for_each(|name| write(name, ""));
+        fs::create_dir(directory.path().join("slice_c")).unwrap();
+        write("slice_c/slab_000000.vtp", "");
         held.clear(false, &["report.html"]).unwrap();
         assert_eq!(find(), None);
+        // Lines, slices and surfaces of the replaced run lay beside the summary of the new one.
+        let left = |name: &&str| directory.path().join(name).exists();
+        assert!(!series.iter().chain(&["slice_c"]).any(left));
         assert!(directory.path().join("notes.txt").exists() && directory.path().join(HISTORY_FILE).exists());
     }
 

@@ -182,13 +182,23 @@ pub(super) struct Call<'a> {
 /// Drives `run` from its start or its checkpoint to its end.
 pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     case: &Case<D>,
+    run: R,
+    mesh: &Arc<MeshView<D>>,
+    call: Call<'_>,
+) -> Result<Summary, Failure> {
+    let session = Session::start(call.destination, call.observer, call.begun)?;
+    session.timed(|| drive_in::<D, M, R>(&session, case, run, mesh, call))
+}
+
+fn drive_in<const D: usize, const M: usize, R: Run>(
+    session: &Session<'_>,
+    case: &Case<D>,
     mut run: R,
     mesh: &Arc<MeshView<D>>,
     call: Call<'_>,
 ) -> Result<Summary, Failure> {
     let Call { destination, observer, begun, origin } = call;
     let origin_state = origin.map(|start| &start.state);
-    let session = Session::start(destination, observer, begun)?;
     // Checked once more, now that no other run can write there.
     let is_mesh_alone = case.flow.is_none() && case.structure.is_none();
     occupied::check(
@@ -196,15 +206,14 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
         observer,
         Beginning { source: case.restart.as_deref(), case: &case.about.resolved, is_mesh_alone },
     )?;
-    let (mut recorder, resumed) =
-        Recorder::<D, M>::start(&session, case, mesh, destination.is_resumed(), origin_state)?;
+    let (mut recorder, resumed) = Recorder::<D, M>::start(session, case, mesh, destination.is_resumed(), origin_state)?;
     origin.iter().flat_map(|start| &start.warnings).for_each(|warning| tracing::warn!("{warning}"));
     failure::clear(session.directory.path())?;
     let statistics = restore(&mut run, resumed.as_ref().or(origin_state), case)?;
     let coupled::State { time, slab: slabs, .. } = *run.state();
     let reached = cuts::Reached { time, slabs, is_end: run.is_done() };
     cuts::begin(case, session.directory.path(), resumed.as_ref().map(|_| reached))?;
-    let mut context = RunContext::new(case, run.state().time, &session, begun, statistics);
+    let mut context = RunContext::new(case, run.state().time, session, begun, statistics);
     if resumed.is_some() && run.state().time > case.time.end + 1e-9 * case.time.step {
         let (time, end) = (rounded_time(run.state().time), case.time.end);
         observer.say(&format!("warning: the checkpoint is at t = {time}, after the end {end}: nothing is left to do"));
@@ -214,7 +223,7 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
         Some(_) => None,
     };
     let stop = match stop {
-        None => run_slabs(case, &mut run, &mut recorder, &mut context, &session)?,
+        None => run_slabs(case, &mut run, &mut recorder, &mut context, session)?,
         stop => stop,
     };
     if !is_held(&run) || matches!(stop, Some(Stop::Failed(..))) {
@@ -233,9 +242,9 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
         }
         Some(Stop::Failed(error, finding)) => {
             let finding = finding.map_or_else(|| run.examine(&error, &context.statistics), |finding| *finding);
-            Err(explained(&run, error, &finding, &case.about.name, &session, &again))
+            Err(explained(&run, error, &finding, &case.about.name, session, &again))
         }
-        None => run.judge(&context, &session).map(|()| summary),
+        None => run.judge(&context, session).map(|()| summary),
     }
 }
 

@@ -111,6 +111,14 @@ fn history_after(
     History::create(&session.directory, columns, rows)
 }
 
+/// Name of the log in the output directory.
+pub const LOG_FILE: &str = "log.jsonl";
+
+/// Files of an earlier run that are not results. Where records are logged, the first one replaces the log.
+fn others_to_clear() -> Vec<&'static str> {
+    if tracing::enabled!(tracing::Level::INFO) { vec![REPORT_FILE] } else { vec![REPORT_FILE, LOG_FILE] }
+}
+
 impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     /// Starts the files of a new run, or continues those of its own checkpoint. A run that continues another one begins with the
     /// history of its `origin`.
@@ -137,7 +145,8 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
             (ResultFile::create(&session.directory, layout::<D, M>(case), &metadata)?, None)
         };
         // From here on nothing can refuse the run any more.
-        session.directory.clear(resume, &[REPORT_FILE])?;
+        session.directory.clear(resume, &others_to_clear())?;
+        tracing::info!(resume, "the run begins");
         let told = Told::new::<D, M>(case, mesh);
         let history = history_after(stored.as_ref().or(origin), session, &told.columns)?;
         let (sampler, n) = fields::equidistant::<D>(flow_order(case), case.mesh.order());

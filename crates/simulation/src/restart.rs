@@ -246,7 +246,10 @@ impl Origin {
         }
         let [there, here] = self.gases(case, &case.allowed_changes)?;
         if there != here {
-            return Err(self.differs("the gas", there, here + ALLOW));
+            let everything = [AllowedChange::Viscosity, AllowedChange::Mach];
+            let [rest_there, rest_here] = self.gases(case, &everything)?;
+            let remedy = if rest_there == rest_here { ALLOW } else { "; a flow of another gas cannot be taken over" };
+            return Err(self.differs("the gas", there, here + remedy));
         }
         Ok(true)
     }

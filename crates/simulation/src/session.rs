@@ -6,6 +6,9 @@ use crate::error::Failure;
 use crate::observer::Observer;
 use output::RunDirectory;
 use std::time::Instant;
+use tracing_subscriber::filter::filter_fn;
+use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::{Layer, Registry};
 
 /// The output directory, locked, and the caller of the run.
 pub(crate) struct Session<'a> {
@@ -31,5 +34,14 @@ impl<'a> Session<'a> {
         let directory = RunDirectory::open(&destination.directory)?;
         observer.open(directory.path(), &clock).map_err(Failure::BadInput)?;
         Ok(Session { directory, observer, clock })
+    }
+
+    /// Does `work` while the spans of the numerics drive the clock. The program has a subscriber that passes them on; a library may have none.
+    pub(crate) fn timed<R>(&self, work: impl FnOnce() -> R) -> R {
+        if tracing::dispatcher::has_been_set() {
+            return work();
+        }
+        let clock = self.clock.clone().with_filter(filter_fn(CostClock::counts));
+        tracing::subscriber::with_default(Registry::default().with(clock), work)
     }
 }

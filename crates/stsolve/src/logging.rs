@@ -3,6 +3,7 @@
 
 use crate::cli::Verbosity;
 use crate::terminal::Terminal;
+use simulation::LOG_FILE;
 use simulation::clock::CostClock;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
@@ -14,9 +15,6 @@ use tracing_subscriber::fmt::layer;
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 use tracing_subscriber::{Layer, Registry};
-
-/// Name of the log in the output directory.
-pub const LOG_FILE: &str = "log.jsonl";
 
 /// Starts logging into `directory`. With `append` the log continues, otherwise it starts anew. The spans of the numerics drive `clock`.
 ///

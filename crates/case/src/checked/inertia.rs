@@ -69,6 +69,7 @@ fn of_entries(checker: &Checker<'_>, key: &Key, entries: &[InertiaEntry]) -> Che
         for (index, moment) in moments.iter().enumerate() {
             checker.positive(&key.entry(index), &format!("the moment of inertia, {moment},"), *moment)?;
         }
+        check_of_a_body(checker, key, &diagonal(moments))?;
         return Ok(diagonal(moments));
     }
     if !moments.is_empty() {
@@ -100,6 +101,15 @@ fn numbers(checker: &Checker<'_>, key: &Key, formulas: &[raw::Formula]) -> Check
     Ok(numbers)
 }
 
+/// The moments about two axes are together not less than that about the third: no body has another tensor.
+fn check_of_a_body(checker: &Checker<'_>, key: &Key, tensor: &Tensor) -> Checked<()> {
+    let [x, y, z] = std::array::from_fn(|i| tensor[i][i]);
+    let quantity = format!("the tensor of inertia, with the moments {x}, {y}, {z},");
+    let holds = [(x, y, z), (y, z, x), (z, x, y)].iter().all(|(a, b, c)| (a + b) * (1.0 + 1e-9) >= *c);
+    let accepted = "the tensor of a body: no moment is larger than the sum of the other two";
+    checker.require(key, &quantity, holds, accepted)
+}
+
 /// A tensor of inertia is symmetric, up to rounding, and positive definite: its leading minors are positive.
 fn check_definite(checker: &Checker<'_>, key: &Key, tensor: &Tensor) -> Checked<()> {
     let largest = tensor.iter().flatten().fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
@@ -109,6 +119,7 @@ fn check_definite(checker: &Checker<'_>, key: &Key, tensor: &Tensor) -> Checked<
         let holds = (below - above).abs() <= 1e-12 * largest;
         checker.require(&key.entry(i).entry(j), &quantity, holds, "a symmetric tensor")?;
     }
+    check_of_a_body(checker, key, tensor)?;
     let cofactor = tensor::cofactor(tensor);
     let minors = [tensor[0][0], cofactor[2][2], tensor::determinant(tensor, &cofactor)];
     let quantity = format!("the tensor of inertia, with the leading minors {minors:?},");

@@ -78,7 +78,7 @@ impl<const D: usize> Dependent<D> {
         let mut found = Dependent { observed: None, averages: None, bodies: None, motion: None };
         let Some(mesh) = &independent.mesh else { return found };
         let flow = raw.flow.as_ref();
-        errors.note(surfaces::check(checker, raw.output.surfaces.as_ref(), flow, mesh.boundary_names()));
+        errors.note(surfaces::check(checker, &raw.output, flow, mesh.boundary_names()));
         found.observed = errors.note(probes::check(checker, &raw.output, mesh, flow.map(|flow| flow.order)));
         if let Some(time) = &independent.time {
             let averages = averages::check(checker, raw.output.averages.as_ref(), mesh, time, flow.is_some());
@@ -177,6 +177,7 @@ fn check_without_flow(checker: &Checker<'_>, raw: &raw::Case) -> Checked<()> {
     let given = [
         ("time", "adaptive", raw.time.adaptive.is_some()),
         ("solver", "steady", raw.solver.steady.is_some()),
+        ("solver", "start_layer", raw.solver.start_layer.is_some()),
         ("output", "integrals", !raw.output.integrals.is_empty()),
     ];
     let Some((section, name, _)) = given.into_iter().find(|(.., given)| *given && raw.flow.is_none()) else {

@@ -9,11 +9,11 @@ use crate::raw;
 /// Checks `[output.surfaces]` on a mesh with these `boundaries`: the surfaces are walls of the flow, each listed once.
 pub(super) fn check(
     checker: &Checker<'_>,
-    raw: Option<&raw::Surfaces>,
+    output: &raw::Output,
     flow: Option<&raw::Flow>,
     boundaries: &[String],
 ) -> Checked<()> {
-    let Some(raw) = raw else { return Ok(()) };
+    let Some(raw) = output.surfaces.as_ref() else { return Ok(()) };
     // A boundary without a condition, and one with an unknown name, are other errors.
     let conditions = flow.map(|flow| checker.entries_of_boundaries(&Key::new("flow"), &flow.boundary, boundaries));
     let is_whole = flow.is_none_or(|flow| {
@@ -34,7 +34,29 @@ pub(super) fn check(
         let accepted = format!("some of {}, or no section [output.surfaces]", walls.join(", "));
         return Err(checker.combination(&key, "the list of walls is empty", &accepted));
     }
-    check_names(checker, &key, &raw.walls, &walls)
+    check_names(checker, &key, &raw.walls, &walls)?;
+    check_files(checker, &key, &raw.walls, output.averages.is_some())
+}
+
+/// Checks that no two walls write the same file. A slash in a name becomes `_`, and averages add `_mean`.
+fn check_files(checker: &Checker<'_>, key: &Key, walls: &[String], has_averages: bool) -> Checked<()> {
+    let file = |wall: &String| wall.replace(['/', '\\'], "_");
+    for (index, wall) in walls.iter().enumerate() {
+        let clashes = |other: &&String| {
+            let (here, there) = (file(wall), file(other));
+            here == there || has_averages && (here == there.clone() + "_mean" || there == here + "_mean")
+        };
+        if let Some(other) = walls[..index].iter().find(clashes) {
+            let problem =
+                format!("the distributions of \"{wall}\" and of \"{other}\" would be written to the same file");
+            return Err(checker.combination(
+                &key.entry(index),
+                &problem,
+                "names that differ in more than / and _ or a `_mean`",
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Checks that the `names` are different names of `walls`.

@@ -669,6 +669,15 @@ fn sections_without_what_they_belong_to_are_refused() {
     }
 }
 
+/// Two series of the same name were a failure of HDF5 in the middle of a run, or one of them was lost.
+#[test]
+fn names_that_the_program_gives_to_others_are_refused() {
+    for name in ["mean_density", "rms_pressure", "reynolds_stress_xx", "production"] {
+        let message = check_text(BASE, &[&format!("output.formulas.{name}=\"2*density\"")]).unwrap_err().to_string();
+        assert!(message.contains("that no field has, nor an average"), "{message}");
+    }
+}
+
 /// A wrong time does not hide what is wrong with the flow.
 #[test]
 fn a_bad_time_does_not_hide_the_flow() {

@@ -88,6 +88,18 @@ const BAD: &[(&str, &[&str])] = &[
         "inertia = [[1, 2, 0], [2, 1, 0], [0, 0, 1]]\nrotation_x = {}",
         &["right.inertia", "leading minors [1.0, -3.0, -3.0]", "a positive definite tensor"],
     ),
+    (
+        "inertia = [0.1, 0.1, 0.5]\nrotation_x = {}",
+        &["right.inertia", "no moment is larger than the sum of the other two"],
+    ),
+    (
+        "inertia = [1, 1, 1]\nrotation_x = { rest = 0.1 }",
+        &["right.rotation_x.rest", "no effect", "`spring` or `cubic_spring`"],
+    ),
+    (
+        "inertia = [1, 1, 1]\nrotation_x = { motion = \"0\", release = -1 }",
+        &["right.rotation_x.release", "comes before the run", "neither of the two keys"],
+    ),
     ("inertia = true\nrotation_x = {}", &["right.inertia = true`", "wrong type"]),
     ("inertia = [true, 1, 1]\nrotation_x = {}", &["right.inertia[0] = true`", "a number, a formula in quotes"]),
 ];

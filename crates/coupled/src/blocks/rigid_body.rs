@@ -20,7 +20,7 @@
 //! About a fixed axis n, the second term contains the moment of inertia n . J n. A body without forces keeps H exactly. The sum of R_a,k
 //! W_a,k is the balance of energy, see `energy`.
 //!
-//! T is singular at |Theta| = 2 pi unless the axis is fixed. A mesh that follows a body in space becomes invalid before.
+//! T is singular at |Theta| = 2 pi unless the axis is fixed. A slab that begins close to that is refused.
 
 mod coordinate;
 mod data;
@@ -91,6 +91,9 @@ pub struct RigidBody<const D: usize> {
     step: f64,
 }
 
+/// A rotation vector is accurate up to this length, a little less than 2 pi.
+const LARGEST_TURN: f64 = 6.1;
+
 impl<const D: usize> RigidBody<D> {
     /// Body number `number` of a run with the slabs of `times`.
     pub fn new(data: RigidBodyData, surface: Surface<D>, number: usize, times: SlabTimes) -> Self {
@@ -113,6 +116,16 @@ impl<const D: usize> RigidBody<D> {
             motion: SlabMotion::new(time),
             step,
         }
+    }
+
+    /// Checks that the rotation vector at the bottom is away from its end. A rotation about one axis has none.
+    fn check_turn(&self) -> Result<(), SlabError> {
+        let several = self.data.coordinates.iter().filter(|coordinate| coordinate.freedom.rotates()).count() > 1;
+        let angle = tensor::norm(&self.data.rotation_vector(&self.slab.position));
+        if several && angle > LARGEST_TURN {
+            return Err(SlabError::FullTurn { body: self.data.name.clone(), angle });
+        }
+        Ok(())
     }
 
     fn time(&self) -> &RadauTime {
@@ -216,7 +229,7 @@ impl<const D: usize> Block for RigidBody<D> {
             surface: self.surface.gather(&state.d),
         };
         (self.inverse, self.surface_columns) = (None, None);
-        Ok(())
+        self.check_turn()
     }
 
     fn residual(&mut self, z: &[f64], exchange: &mut Exchange, r: &mut [f64]) -> Result<(), Inadmissible> {

@@ -154,8 +154,12 @@ pub enum Motion {
 pub struct StructureData {
     /// Poisson's ratio.
     pub poisson_ratio: f64,
-    /// Node spacings that a shear wave travels in the slab.
-    pub waves_per_slab: f64,
+    /// Node spacings that a shear wave travels in the slab; None without inertia.
+    pub waves_per_slab: Option<f64>,
+    /// Whether its law is not linear.
+    pub is_nonlinear: bool,
+    /// The smallest det(I + grad d) at the bottom of the slab.
+    pub smallest_volume_ratio: f64,
     /// The place where a load is NaN, if any.
     pub bad_load: Option<BadLoad>,
 }

@@ -48,8 +48,14 @@ const OF_MESH: [Rule; 10] = [
     mesh_rules::nearly_incompressible,
 ];
 
-const OF_STRUCTURE: [Rule; 3] =
-    [structure_rules::long_slab, structure_rules::slender_cells, structure_rules::nearly_incompressible];
+const OF_STRUCTURE: [Rule; 6] = [
+    structure_rules::inverted_start,
+    structure_rules::squeezed,
+    structure_rules::limit_load,
+    structure_rules::long_slab,
+    structure_rules::slender_cells,
+    structure_rules::nearly_incompressible,
+];
 
 const OF_FLOW: [Rule; 16] = [
     gas_rules::opening,

@@ -106,6 +106,7 @@ where
     fn gave_up(&self) -> GaveUp {
         match self.error {
             None => GaveUp::Other,
+            Some(SlabError::FullTurn { .. }) => GaveUp::Other,
             Some(SlabError::Mesh(_)) => GaveUp::Equilibrium,
             Some(SlabError::Structure(ElasticityError::Load { .. })) => GaveUp::Load,
             Some(SlabError::Structure(_)) => GaveUp::Structure,
@@ -207,7 +208,7 @@ where
     /// The inverted cell, or else the cell with the largest residual, or else the cell with the lowest density.
     fn worst_cell(&self, grid: &Grid<D>, gases: &Gases) -> Option<WorstCell> {
         match self.error? {
-            SlabError::Mesh(_) | SlabError::Structure(_) => None,
+            SlabError::Mesh(_) | SlabError::Structure(_) | SlabError::FullTurn { .. } => None,
             SlabError::Invalid { quality } => Some(inverted(grid, &self.displacement_at(quality.time), quality)),
             SlabError::Newton { residual_breakdown: Some(residual_breakdown), .. } => {
                 self.unsolved_cell(grid, residual_breakdown)

@@ -4,7 +4,7 @@ use super::data::{Attempt, BadLoad, FailureData, GaveUp, StructureData};
 use super::finding::{Finding, WorstCell, most_squeezed, squeezed};
 use super::grid::{Grid, difference};
 use super::of_mesh::shape;
-use case::Case;
+use case::{Analysis, Case};
 use coupled::StructureMarch;
 use elasticity::ElasticityError;
 
@@ -22,6 +22,7 @@ pub fn examine<const D: usize>(
         _ => None,
     };
     let length = case.time.step.min(case.time.end - state.time);
+    let waves = || structure.shear_speed() * length / smallest_distance(&grid, &state.d);
     Finding {
         cell: Some(worst_cell(&grid, &state.d, bad_load.as_ref())),
         residuals: Vec::new(),
@@ -33,7 +34,9 @@ pub fn examine<const D: usize>(
             gas: None,
             structure: Some(StructureData {
                 poisson_ratio: structure.largest.poisson_ratio,
-                waves_per_slab: structure.shear_speed() * length / smallest_distance(&grid, &state.d),
+                waves_per_slab: (structure.analysis == Analysis::Dynamic).then(waves),
+                is_nonlinear: !body.law().is_linear(),
+                smallest_volume_ratio: most_squeezed(&grid, &state.d).1,
                 bad_load,
             }),
             bodies: None,

@@ -91,13 +91,23 @@ impl<const D: usize> Given<'_, D> {
             return Err(checker.combination(&key.child("rate"), problem, "one of the two: remove the other"));
         }
         raw.release.map_or(Ok(()), |release| self.check_release(&key.child("release"), release))?;
+        let (spring, cubic_spring) = (number("spring", &raw.spring)?, number("cubic_spring", &raw.cubic_spring)?);
+        let rest = number("rest", &raw.rest)?;
+        if rest != 0.0 && spring == 0.0 && cubic_spring == 0.0 {
+            let problem = "`rest` has no effect: the coordinate has no spring";
+            return Err(checker.combination(
+                &key.child("rest"),
+                problem,
+                "this key together with `spring` or `cubic_spring`",
+            ));
+        }
         let stops = raw.stops.map(|raw::Stops { lower, upper, stiffness }| Stops { lower, upper, stiffness });
         Ok(Freedom {
             name,
             direction,
-            spring: number("spring", &raw.spring)?,
-            cubic_spring: number("cubic_spring", &raw.cubic_spring)?,
-            rest: number("rest", &raw.rest)?,
+            spring,
+            cubic_spring,
+            rest,
             damping: number("damping", &raw.damping)?,
             rate,
             stops,
@@ -110,6 +120,14 @@ impl<const D: usize> Given<'_, D> {
     fn check_release(&self, key: &Key, release: f64) -> Checked<()> {
         let Time { start, step, control, .. } = *self.time;
         let slabs = (release - start) / step;
+        if release <= start {
+            let problem = format!("a release at t = {release} comes before the run, so that `motion` has no effect");
+            return Err(self.checker.combination(
+                key,
+                &problem,
+                &format!("a time after {start}, or neither of the two keys"),
+            ));
+        }
         let meets = control.is_some() || !slabs.is_finite() || (slabs - slabs.round()).abs() <= 1e-6;
         let step = rounded_time(step);
         let accepted = format!("a time at which a slab begins: one of every {step} from {start} on");

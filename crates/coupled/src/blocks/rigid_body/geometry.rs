@@ -70,6 +70,11 @@ pub(super) struct BodyPosition<T> {
 }
 
 impl RigidBodyData {
+    /// Theta
+    pub(super) fn rotation_vector(&self, q: &[f64]) -> Vec3 {
+        self.place(q).theta
+    }
+
     /// Whether a coordinate is a rotation.
     fn rotates(&self) -> bool {
         self.coordinates.iter().any(|coordinate| coordinate.freedom.rotates())

@@ -16,9 +16,49 @@ pub fn bad_load(data: &FailureData) -> Option<Cause> {
     })
 }
 
+/// The run begins inside out.
+pub fn inverted_start(data: &FailureData) -> Option<Cause> {
+    let smallest = data.structure.as_ref()?.smallest_volume_ratio;
+    (data.attempt.slabs_done == 0 && smallest <= 0.0).then(|| Cause {
+        name: "inverted_start",
+        likelihood: 0.95,
+        what: format!("the displacement at the start turns a cell inside out: det(I + grad d) = {}", number(smallest)),
+        remedy: "look at `structure.initial.displacement`: it compresses the body to less than nothing".into(),
+    })
+}
+
+/// The body is squeezed to nothing.
+pub fn squeezed(data: &FailureData) -> Option<Cause> {
+    let structure = data.structure.as_ref()?;
+    let smallest = structure.smallest_volume_ratio.max(0.0);
+    (data.attempt.slabs_done > 0 && structure.is_nonlinear).then(|| Cause {
+        name: "squeezed",
+        likelihood: 0.8 * (1.0 - rises(smallest, 0.1)),
+        what: format!("the body is squeezed to nothing: to {} of its volume at a point", number(smallest)),
+        remedy: "lower the loads or the velocity; the law \"neo_hookean\" resists compression without limit, \"st_venant_kirchhoff\" does not"
+            .into(),
+    })
+}
+
+/// Laws of large displacement carry limited loads: beyond, there is no equilibrium near.
+pub fn limit_load(data: &FailureData) -> Option<Cause> {
+    let structure = data.structure.as_ref()?;
+    let remedy = if structure.waves_per_slab.is_none() {
+        "let the loads grow with t, in more `time.slabs`, up to a smaller one; with `structure.analysis = \"dynamic\"` a body may snap through"
+    } else {
+        "shorten `time.step`"
+    };
+    structure.is_nonlinear.then(|| Cause {
+        name: "limit_load",
+        likelihood: 0.4,
+        what: "the loads change much in this slab, or exceed what the body can carry: no solution was found near the last one".into(),
+        remedy: remedy.into(),
+    })
+}
+
 /// Waves travel over many nodes in a slab, so that the systems of its modes are far from the mass matrix.
 pub fn long_slab(data: &FailureData) -> Option<Cause> {
-    let waves = data.structure.as_ref()?.waves_per_slab;
+    let waves = data.structure.as_ref()?.waves_per_slab?;
     Some(Cause {
         name: "long_slab",
         likelihood: 0.1 + 0.6 * rises(waves, 1e4),

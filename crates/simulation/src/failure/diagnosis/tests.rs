@@ -205,7 +205,13 @@ fn a_neo_hookean_mesh_is_not_told_to_be_neo_hookean() {
 /// A structure has failed, and nothing is suspicious.
 fn structure(change: fn(&mut StructureData, &mut Mesh), gave_up: GaveUp) -> FailureData {
     let mut data = FailureData { gave_up, newton: None, gas: None, ..nothing_suspicious() };
-    let mut structure = StructureData { poisson_ratio: 0.3, waves_per_slab: 10.0, bad_load: None };
+    let mut structure = StructureData {
+        poisson_ratio: 0.3,
+        waves_per_slab: Some(10.0),
+        is_nonlinear: false,
+        smallest_volume_ratio: 0.9,
+        bad_load: None,
+    };
     change(&mut structure, &mut data.mesh);
     FailureData { structure: Some(structure), ..data }
 }
@@ -214,7 +220,17 @@ fn structure(change: fn(&mut StructureData, &mut Mesh), gave_up: GaveUp) -> Fail
 fn a_fact_of_the_structure_names_its_cause() {
     let names =
         |change, gave_up| -> Vec<_> { causes(&structure(change, gave_up)).iter().map(|cause| cause.name).collect() };
-    assert_eq!(names(|s, _| s.waves_per_slab = 1e6, GaveUp::Structure)[0], "long_slab");
+    assert_eq!(names(|s, _| s.waves_per_slab = Some(1e6), GaveUp::Structure)[0], "long_slab");
+    assert_eq!(
+        names(|s, _| (s.is_nonlinear, s.smallest_volume_ratio) = (true, 1e-3), GaveUp::Structure)[0],
+        "squeezed"
+    );
+    let mut at_start = structure(|s, _| s.smallest_volume_ratio = -2.0, GaveUp::Structure);
+    at_start.attempt.slabs_done = 0;
+    assert_eq!(causes(&at_start)[0].name, "inverted_start");
+    // A limit load was told as round-off, and as a long slab where there is no inertia.
+    let limit = names(|s, _| (s.is_nonlinear, s.waves_per_slab) = (true, None), GaveUp::Structure);
+    assert!(limit[0] == "limit_load" && !limit.contains(&"long_slab"), "{limit:?}");
     assert_eq!(names(|_, m| m.aspect_ratio = 1e5, GaveUp::Structure)[0], "slender_cells");
     assert_eq!(names(|s, _| s.poisson_ratio = 0.499_999, GaveUp::Structure)[0], "nearly_incompressible");
     let load = |s: &mut StructureData, _: &mut Mesh| s.bad_load = Some(BadLoad { time: 0.5, position: vec![1.0, 0.0] });

@@ -72,14 +72,12 @@ impl<'a, const D: usize> Facts<'a, D> {
     where
         Case<D>: Preflight<D>,
     {
-        let edges = |cell| {
-            let (lower, upper) = case.mesh.cell_box(cell);
-            (0..D).map(move |axis| upper[axis] - lower[axis])
-        };
         let (flow, prescribed, plan) = (case.flow.as_ref(), case.prescribed_nodes(), case.elasticity_plan());
         Facts {
             case,
-            smallest_size: (0..case.mesh.n_cells()).flat_map(edges).fold(f64::INFINITY, f64::min),
+            smallest_size: (0..case.mesh.n_cells())
+                .flat_map(|cell| case.mesh.extents(cell))
+                .fold(f64::INFINITY, f64::min),
             most_distorted: case.mesh.smallest_scaled_jacobian(),
             motion: MotionScales::new(case, &prescribed),
             prescribed,

@@ -198,7 +198,7 @@ fn wall_table<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Ta
             .row("first cell in wall units", plate.wall_units(relative), friction)
             .row("first node in wall units", plate.wall_units(relative) / (flow.order as f64 - 1.0), "on average")
             .row("boundary layer", plate.thickness() * flow.reference_length, friction)
-            .row("cells across it", plate.thickness() / relative, "");
+            .row("first cells across it", plate.thickness() / relative, "");
     }
     (!table.is_empty()).then_some(table)
 }
