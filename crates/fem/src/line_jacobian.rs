@@ -10,9 +10,10 @@
 //! with the derivatives of a face with respect to the cell's own trace alone.
 
 use crate::batches::FacetBatch;
-use crate::linearisation::{FrozenPoint, TraceSpace};
+use crate::linearisation::FrozenPoint;
 use crate::operator::SlabOperator;
 use crate::scratch::{CellScratch, FacetScratch};
+use crate::space_jacobian::TraceSpace;
 use crate::traces::FaceMaps;
 use rayon::prelude::*;
 use tensor::{Pack, WIDTH};

@@ -84,8 +84,8 @@ impl RunDirectory {
         (!is_ours).then_some(history)
     }
 
-    /// Removes files that would be mistaken for the work of the new run: the old summary and, unless the run is resumed, the old
-    /// result with its lines, slices and surfaces, and the `others` made from it.
+    /// Removes files that would be mistaken for the work of the new run. Of a resumed run that is the old summary. Of others it is the result,
+    /// too, with its lines, slices and surfaces, and the `others` made from it.
     ///
     /// # Errors
     /// [`OutputError::File`] if the system refuses.
