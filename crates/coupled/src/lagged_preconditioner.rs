@@ -205,13 +205,7 @@ impl<const D: usize, const M: usize> LaggedPreconditioner<D, M> {
         // One that is there may have another order of elimination.
         self.preconditioner = None;
         self.coarse_level = frozen.coarse_level;
-        // Low-order blocks are rounded with the length of the slab in which they were frozen. Their factors are for the present one.
-        let scales = TimeScales { dt, ..frozen.built_for };
-        let mut made = self.made(flow, scales, Some(frozen.ordering.clone()));
-        if frozen.built_for != scales {
-            made.factor(frozen.built_for);
-        }
-        self.preconditioner = Some(made);
+        self.preconditioner = Some(self.made(flow, frozen.built_for, Some(frozen.ordering.clone())));
         self.frozen = Some(frozen);
     }
 

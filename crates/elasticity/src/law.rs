@@ -134,7 +134,7 @@ impl Hyperelastic for NeoHookean {
 pub(crate) struct StVenantKirchhoff(pub(crate) Lame);
 
 impl PointLaw for StVenantKirchhoff {
-    // Its energy is finite for any F, but a body that is turned inside out is none.
+    // Its energy is finite for any F. But det F is positive in any body.
     const HAS_BARRIER: bool = true;
     #[inline(always)]
     fn stress<T: Real, const D: usize>(self, gradient: &[[T; D]; D], _: &[[T; D]; D]) -> PointStress<T, D> {

@@ -103,12 +103,12 @@ impl RunDirectory {
         let failed = |source| file_error(self.path(), source);
         for entry in fs::read_dir(self.path()).map_err(failed)? {
             let path = entry.map_err(failed)?.path();
-            if is_of_series(&path) {
-                remove(&path)?;
+            if !is_of_series(&path) {
+                continue;
             }
-            let is_slice = path.extension().is_some_and(|extension| extension == "pvd");
+            remove(&path)?;
             let slabs = path.with_extension("");
-            if is_slice && is_of_series(&path) && slabs.is_dir() {
+            if path.extension().is_some_and(|extension| extension == "pvd") && slabs.is_dir() {
                 fs::remove_dir_all(&slabs).map_err(|source| file_error(&slabs, source))?;
             }
         }

@@ -190,6 +190,7 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     session.timed(|| drive_in::<D, M, R>(&session, case, run, mesh, call))
 }
 
+/// [`drive`] in its session.
 fn drive_in<const D: usize, const M: usize, R: Run>(
     session: &Session<'_>,
     case: &Case<D>,

@@ -1,11 +1,12 @@
 //! The coarse level of the preconditioner by blocks.
 
+use crate::shares::between_walls;
 use crate::slab_operator::{moving_slab_on, uniform_coefficients};
 use coupled::preconditioner::{CoarseLevelUse, TimeScales, TwoLevel};
-use fem::{Blocks, Bottom, Orders, Problem, Share, SlabOperator, StateField};
-use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
+use fem::{Blocks, Bottom, Orders, Share, SlabOperator, StateField};
+use mesh::{BoxMesh, Curving, Mesh};
 use navier_stokes::exact::FreeStream;
-use navier_stokes::{AdiabaticWall, Boundary, Compiled, Exact, NavierStokes, Riemann, Viscosity};
+use navier_stokes::{Boundary, Compiled, Exact, NavierStokes, Riemann, Viscosity};
 use newton_krylov::operator::Preconditioner;
 use ranks::{Communicator, Sums, Threads};
 use std::sync::Arc;
@@ -90,11 +91,8 @@ fn the_coarse_level_is_exact_on_its_space() {
 /// A slab of uniform flow between walls on the cells of a share.
 fn slab_of(mesh: &Mesh<2>, share: Share) -> SlabOperator<2, 4> {
     let law = law(Viscosity::Constant(0.02), Riemann::Roe);
-    let wall = AdiabaticWall::new([0.0; 2]).expect("a wall at rest");
-    let kernels = law.kernels(vec![Boundary::AdiabaticWall(wall); mesh.boundary_names().len()]);
-    let problem = Problem { kernels, data: vec![None; mesh.boundary_names().len()], source: None };
-    let (orders, numbering) = (Orders { flow: N, mesh: N, time: 2 }, NodeNumbering::new(mesh, N));
-    let mut operator = SlabOperator::of_share(problem, mesh, &numbering, orders, RULES[0].0, share);
+    let orders = Orders { flow: N, mesh: N, time: 2 };
+    let mut operator: SlabOperator<2, 4> = between_walls(mesh, &law, orders, RULES[0].0, share);
     let uniform = |slots| uniform_coefficients(&operator, &free_stream::<2, 4>(&law).value(&[0.0; 2], 0.0), slots);
     let (bottom, state, rest) = (uniform(1), uniform(2), vec![0.0; 2 * operator.mesh.field_len()]);
     operator.begin_slab(0.0, 0.1, Bottom::new(&bottom, &rest[..rest.len() / 2]));

@@ -26,20 +26,33 @@ struct Setting<'a, const D: usize> {
 /// Residual, product along state and mesh, and boundary fluxes.
 type Found = (Vec<u64>, Vec<u64>, String);
 
+/// The operator of a flow between walls at rest, on a share of `mesh`.
+pub(crate) fn between_walls<const D: usize, const M: usize>(
+    mesh: &Mesh<D>,
+    law: &NavierStokes<D>,
+    orders: Orders,
+    quadrature: Quadrature,
+    share: Share,
+) -> SlabOperator<D, M>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
+{
+    let names = mesh.boundary_names().len();
+    let problem = Problem {
+        kernels: law.kernels(vec![Boundary::AdiabaticWall(AdiabaticWall::new([0.0; D]).unwrap()); names]),
+        data: vec![None; names],
+        source: None,
+    };
+    SlabOperator::of_share(problem, mesh, &NodeNumbering::new(mesh, orders.mesh), orders, quadrature, share)
+}
+
 impl<const D: usize> Setting<'_, D> {
     fn operator<const M: usize>(&self, share: Share) -> SlabOperator<D, M>
     where
         Exact<FreeStream<D>>: StateField<D, M>,
         NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
     {
-        let names = self.mesh.boundary_names().len();
-        let problem = Problem {
-            kernels: self.law.kernels(vec![Boundary::AdiabaticWall(AdiabaticWall::new([0.0; D]).unwrap()); names]),
-            data: vec![None; names],
-            source: None,
-        };
-        let numbering = NodeNumbering::new(self.mesh, self.orders.mesh);
-        SlabOperator::of_share(problem, self.mesh, &numbering, self.orders, self.quadrature, share)
+        between_walls(self.mesh, &self.law, self.orders, self.quadrature, share)
     }
 
     /// Evaluates everything on a share; `evaluated` is called before and after the product.

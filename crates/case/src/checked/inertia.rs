@@ -69,8 +69,8 @@ fn of_entries(checker: &Checker<'_>, key: &Key, entries: &[InertiaEntry]) -> Che
         for (index, moment) in moments.iter().enumerate() {
             checker.positive(&key.entry(index), &format!("the moment of inertia, {moment},"), *moment)?;
         }
-        check_of_a_body(checker, key, &diagonal(moments))?;
-        return Ok(diagonal(moments));
+        let tensor = diagonal(moments);
+        return check_of_a_body(checker, key, &tensor).map(|()| tensor);
     }
     if !moments.is_empty() {
         let accepted = "three numbers, the diagonal, or three rows of three numbers";

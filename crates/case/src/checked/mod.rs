@@ -50,11 +50,12 @@ pub use flow::Flow;
 pub use forces::Wall;
 pub use motion::{Motion, Stiffness};
 pub use parts::SolidPart;
-pub use probes::{Line, Observed, Probe, Slice};
+pub use probes::{Line, Observed, Probe, Slice, is_name_of_average};
 pub use resolved::{gas_of, motion_of, ratio_of_specific_heats_of, reference_pressure_of, title_of, walls_of};
 pub use sliding_mesh::{Held, constrained};
 pub use source::Source;
 pub use structure::{Largest, Structure, Support};
+pub use surfaces::surface_name;
 pub use time::{Output, Time};
 
 use super::checker::{Checked, Checker, Sound};

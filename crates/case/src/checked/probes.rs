@@ -145,13 +145,13 @@ fn formula<const D: usize>(checker: &Checker<'_>, at: Named<'_, raw::Formula>) -
         Field::ALL.iter().filter_map(|field| Some(serde_json::to_value(field).ok()?.as_str()?.to_owned())).collect();
     let is_free = !known.iter().any(|name| name == at.name) && Field::components_of_flow(D).all(|name| name != at.name);
     let accepted = "a name of letters, digits and _ that no field has, nor an average; not t, s, x, y or z";
-    let is_free = is_free && !is_variable(at.name) && !is_average(at.name);
+    let is_free = is_free && !is_variable(at.name) && !is_name_of_average(at.name);
     checker.require(&at.key, "the name of the formula", is_name && is_free, accepted)?;
     Ok(FieldFormula { name: at.name.to_owned(), program: checker.formula_of_fields::<D>(&at.key, at.raw)? })
 }
 
 /// Whether `output.averages` may write a field of this name.
-fn is_average(name: &str) -> bool {
+pub fn is_name_of_average(name: &str) -> bool {
     let of_budget =
         ["production", "dissipation", "pressure_dilatation", "turbulent_flux", "pressure_flux", "viscous_flux"];
     of_budget.contains(&name) || ["mean_", "rms_", "reynolds_stress_"].iter().any(|prefix| name.starts_with(prefix))

@@ -38,15 +38,21 @@ pub(super) fn check(
     check_files(checker, &key, &raw.walls, output.averages.is_some())
 }
 
-/// Checks that no two walls write the same file. A slash in a name becomes `_`, and averages add `_mean`.
+/// The name of the series and of the files of a wall. A slash in the name of the wall would be a folder.
+pub fn surface_name(wall: &str) -> String {
+    format!("surface_{}", wall.replace(['/', '\\'], "_"))
+}
+
+/// Whether the distributions of two walls have the same file. Averages are written beside them, with `_mean` in the name.
+fn clash(wall: &str, other: &str, has_averages: bool) -> bool {
+    let (here, there) = (surface_name(wall), surface_name(other));
+    here == there || has_averages && (here == there.clone() + "_mean" || there == here + "_mean")
+}
+
+/// Checks that no two walls write the same file.
 fn check_files(checker: &Checker<'_>, key: &Key, walls: &[String], has_averages: bool) -> Checked<()> {
-    let file = |wall: &String| wall.replace(['/', '\\'], "_");
     for (index, wall) in walls.iter().enumerate() {
-        let clashes = |other: &&String| {
-            let (here, there) = (file(wall), file(other));
-            here == there || has_averages && (here == there.clone() + "_mean" || there == here + "_mean")
-        };
-        if let Some(other) = walls[..index].iter().find(clashes) {
+        if let Some(other) = walls[..index].iter().find(|other| clash(wall, other, has_averages)) {
             let problem =
                 format!("the distributions of \"{wall}\" and of \"{other}\" would be written to the same file");
             return Err(checker.combination(
@@ -67,4 +73,17 @@ fn check_names(checker: &Checker<'_>, key: &Key, names: &[String], walls: &[Stri
         Err(checker.error(&key.entry(index), cause))
     });
     collected::<()>(unknown).map(drop)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A file was written by two walls, and one distribution was lost.
+    #[test]
+    fn walls_with_the_same_file_clash() {
+        assert_eq!(surface_name("a/b"), "surface_a_b");
+        assert!(clash("a/b", "a_b", false) && clash("a\\b", "a/b", false) && !clash("a", "b", true));
+        assert!(clash("a", "a_mean", true) && clash("a_mean", "a", true) && !clash("a", "a_mean", false));
+    }
 }

@@ -21,7 +21,6 @@ use super::panel::padded;
 use basis::TemporalModes;
 use faer::{Mat, c64};
 use fem::{Layout, Share, SlabOperator, TraceSpace};
-use newton_krylov::inner_product::largest_size;
 use rayon::prelude::*;
 use sparse::{BlockMatrix, EliminationTree, Kind};
 use std::sync::Arc;
@@ -289,8 +288,7 @@ impl<T: Entry> CoarseLevel<T> {
 
 /// `result`, if all ranks have one. A collective call.
 fn on_all_ranks<R>(share: &Share, result: Option<R>) -> Option<R> {
-    let failed = largest_size(&[if result.is_none() { 1.0 } else { 0.0 }], &share.sums) > 0.0;
-    result.filter(|_| !failed)
+    ranks::agree(&**share.sums.communicator(), result.ok_or(()), |()| Vec::new(), |_| ()).ok()
 }
 
 /// factor A for a square matrix of n rows, by columns.

@@ -57,7 +57,7 @@ struct NodeIlu<const D: usize, const M: usize, const W: usize> {
 impl<const D: usize, const M: usize, const W: usize> NodeIlu<D, M, W> {
     fn new(operator: &SlabOperator<D, M>, scales: TimeScales, ordering: Option<Ordering>) -> Self {
         let (layout, modes) = (operator.layout, TemporalModes::new(&operator.tables.time));
-        let matrix = NodeBlocks::new(operator, scales.dt);
+        let matrix = NodeBlocks::new(operator);
         let ordering = ordering.filter(|ordering| ordering.own().count() == layout.cells);
         let ordering = ordering.map(|known| Ordering::whole(known.own().collect(), known.level_ends));
         let ordering = ordering.unwrap_or_else(|| matrix.ordering(modes.mean_shift()));

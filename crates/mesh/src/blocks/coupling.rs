@@ -20,7 +20,8 @@ pub(super) fn graph<const D: usize>(mesh: &Mesh<D>) -> Graph {
     Graph::new(vec![1; mesh.n_cells()], mesh.interior_facets().iter().map(edge))
 }
 
-/// The distances of the centres of opposite faces.
+/// The distances of the centres of opposite faces, which are here the means of corners: cuts do not depend on the curving of cells, as
+/// [`Mesh::extents`] does.
 fn extents<const D: usize>(mesh: &Mesh<D>, cell: usize) -> [f64; D] {
     from_fn(|axis| {
         let (low, high) = (2 * axis, 2 * axis + 1);

@@ -339,6 +339,26 @@ mod tests {
         assert_eq!(moments.averages[0].components(), 3);
     }
 
+    /// A formula with such a name is refused.
+    #[test]
+    fn all_names_of_averages_are_known() {
+        let all = [
+            Average::Density,
+            Average::Velocity,
+            Average::Pressure,
+            Average::Temperature,
+            Average::Momentum,
+            Average::ReynoldsStress,
+            Average::RmsDensity,
+            Average::RmsPressure,
+            Average::RmsTemperature,
+            Average::KineticEnergyBudget,
+        ];
+        for average in Moments::new::<3>(&all).averages {
+            assert!(case::is_name_of_average(&average.name), "{}", average.name);
+        }
+    }
+
     #[test]
     fn no_time_has_no_average() {
         let moments = Moments::new::<2>(&[Average::Density]);

@@ -105,8 +105,7 @@ where
 
     fn gave_up(&self) -> GaveUp {
         match self.error {
-            None => GaveUp::Other,
-            Some(SlabError::FullTurn { .. }) => GaveUp::Other,
+            None | Some(SlabError::FullTurn { .. }) => GaveUp::Other,
             Some(SlabError::Mesh(_)) => GaveUp::Equilibrium,
             Some(SlabError::Structure(ElasticityError::Load { .. })) => GaveUp::Load,
             Some(SlabError::Structure(_)) => GaveUp::Structure,

@@ -46,11 +46,6 @@ impl Column {
     }
 }
 
-/// The name of the series and of the files of a wall. A slash in the name of the wall would be a folder.
-pub fn surface_name(wall: &str) -> String {
-    format!("surface_{}", wall.replace(['/', '\\'], "_"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -60,6 +55,5 @@ mod tests {
         let names = |dimension| columns(dimension).iter().flat_map(Column::names).collect::<Vec<_>>().join(",");
         assert!(names(2).starts_with("s,arc_length,x,y,normal_x,normal_y,area,pressure,"), "{}", names(2));
         assert!(names(3).starts_with("s,x,y,z,normal_x,normal_y,normal_z,area,"), "{}", names(3));
-        assert_eq!(surface_name("a/b"), "surface_a_b");
     }
 }

@@ -9,10 +9,11 @@
 //! the force on the wall in history.csv, to round-off. tau_t is the part of the friction tau along the wall. The distance y is the distance of
 //! the first nodes from the wall.
 
-use super::columns::{columns, surface_name};
+use super::columns::columns;
 use super::curve;
 use crate::opening_states::{FacePoints, by_node, dot_of};
 use basis::Rule;
+use case::surface_name;
 use case::{BoundaryData, Flow, Wall};
 use coupled::MeshMover;
 use fem::{BoundaryPoint, ConservationLaw, Inside, PointFlux, Quadrature, Sampler};

@@ -15,7 +15,8 @@ mod distribution;
 mod files;
 mod mean;
 
-pub use columns::{Column, columns, surface_name};
+pub use case::surface_name;
+pub use columns::{Column, columns};
 pub use distribution::{SurfaceFlow, physical};
 pub use files::write;
 pub use mean::write_means;

@@ -32,9 +32,10 @@ pub(super) struct NodeBlocks<const D: usize, const M: usize> {
 }
 
 impl<const D: usize, const M: usize> NodeBlocks<D, M> {
-    /// The blocks in the middle of the slab of `operator`.
-    pub(super) fn new(operator: &SlabOperator<D, M>, dt: f64) -> Self {
-        let (layout, order) = (operator.layout, operator.tables.orders.flow);
+    /// The blocks in the middle of the slab of `operator`. They are rounded for its length, whatever slabs they serve: so a resumed run makes the
+    /// same ones.
+    pub(super) fn new(operator: &SlabOperator<D, M>) -> Self {
+        let (layout, order, (_, dt)) = (operator.layout, operator.tables.orders.flow, operator.interval());
         let nodes = layout.nodes;
         let blocks = layout.cells * nodes * M * M;
         let mut matrix = NodeBlocks {
