@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Writes the pages of the cases in docs/src/cases, with pictures and the numbers to expect, from runs.
 
-    make_case_pages.py [NAME]... [--results DIRECTORY]      default: all cases
+    make_case_pages.py [NAME]... [--results DIRECTORY] [--keep-pictures]      default: all cases
 
 A page holds the comment at the head of the case, a picture, and the figures of summary.json. Seconds are left out, because they stand on the
 page that `make_speed_page.py` writes. Results are looked for in DIRECTORY/NAME (default: runs, where `stsolve run cases/NAME.toml` leaves them).
-A case without results keeps its picture and figures. `case_pictures.py` draws, mostly by the program, $STSOLVE or scripts/stsolve. The list of
+A case without results keeps its picture and figures; with --keep-pictures all keep their pictures. `case_pictures.py` draws, mostly by the program, $STSOLVE or scripts/stsolve. The list of
 pages, with small pictures, and the table of contents are written anew. Needs the module stsolve (scripts/wheel --here) and the Python packages of
 scripts/requirements.txt.
 """
@@ -75,12 +75,14 @@ def figures(summary):
                 yield title, key, short(value)
 
 
-def write_page(case, run):
+def write_page(case, run, keep_pictures):
     """The page of a case, from its file and its run; without a run, with the picture and the figures that it has."""
     page = BOOK / "cases" / f"{case.stem}.md"
     if (run / "summary.json").exists():
         summary = json.loads((run / "summary.json").read_text())
-        shown, rows = picture(case.stem, run, summary), table_of_figures(summary)
+        kept = keep_pictures and page.exists()
+        shown = picture_and_figures(page.read_text())[0] if kept else picture(case.stem, run, summary)
+        rows = table_of_figures(summary)
     elif page.exists():
         shown, rows = picture_and_figures(page.read_text())
     else:
@@ -148,10 +150,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*")
     parser.add_argument("--results", type=pathlib.Path, default=pathlib.Path("runs"))
+    parser.add_argument("--keep-pictures", action="store_true")
     arguments = parser.parse_args()
     for case in sorted((ROOT / "cases").glob("*.toml")):
         if not arguments.names or case.stem in arguments.names:
-            write_page(case, arguments.results / case.stem)
+            write_page(case, arguments.results / case.stem, arguments.keep_pictures)
     write_lists()
 
 

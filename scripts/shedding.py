@@ -5,7 +5,8 @@
     shedding.py RUN_DIRECTORY --from T ...
 
 A period lasts from one upward zero crossing of the lift coefficient to the next, St = L / (U period). With --from the flow need not be
-periodic: means are those from the time T on, and St is the peak of the spectrum of the drag, by a Hann window.
+periodic: means are those from the time T on, and St is the peak of the spectrum of the drag, by a Hann window. In
+a plane vortex street the drag has twice the frequency of the lift.
 """
 
 import argparse

@@ -26,7 +26,7 @@ pub struct Elasticity {
     /// Poisson's ratio nu, -1 < nu < 0.5. Values near 0.5 keep the volumes of cells nearly constant.
     #[serde(default = "poisson_ratio")]
     pub poisson_ratio: f64,
-    /// Young's modulus over the mesh. Only its variation matters, not its magnitude.
+    /// Young's modulus over the mesh. Only its variation matters, not its magnitude. Default: `{ inverse_jacobian = { power = 1 } }`.
     #[serde(default)]
     pub stiffness: Stiffness,
     /// The solver of the mesh equations.
@@ -35,7 +35,7 @@ pub struct Elasticity {
     /// The energy that the mesh minimises.
     #[serde(default)]
     pub law: Law,
-    /// The mesh to which strain refers, for the linear law.
+    /// The mesh to which strain refers, for the linear law. Default: `"initial"`.
     pub reference: Option<ReferenceMesh>,
     /// The tolerance of Newton's method for the neo-Hookean law, a root mean square error of position relative to the node spacing. At
     /// most 1e-3; default 1e-6. With a flow the mesh is solved to round-off.

@@ -4,8 +4,9 @@ use crate::{PseudoTime, Solver, Steady};
 use newton_krylov::{fgmres, forcing, newton, pseudo_time};
 
 impl Steady {
-    /// The settings of the Newton driver that finds the steady flow.
-    pub fn newton(&self) -> newton::Settings {
+    /// The settings of the Newton driver that finds the steady flow. `time_unit` is the reference length over the reference speed.
+    pub fn newton(&self, time_unit: f64) -> newton::Settings {
+        let inverse = 1.0 / (self.first_step * time_unit);
         let defaults = newton::Settings::default();
         let (maximum, iterations) = (self.krylov_tolerance, self.krylov_iterations);
         newton::Settings {
@@ -19,8 +20,8 @@ impl Steady {
             },
             krylov: fgmres::Settings { restart: iterations, max_iterations: iterations, ..defaults.krylov },
             pseudo_time: pseudo_time::Settings {
-                initial_inverse: 1.0 / self.first_step,
-                restart_inverse: 1.0 / self.first_step,
+                initial_inverse: inverse,
+                restart_inverse: inverse,
                 power: self.power,
                 growth: self.growth,
                 ..defaults.pseudo_time

@@ -10,7 +10,7 @@ use std::borrow::Cow;
 #[serde(deny_unknown_fields, default)]
 pub struct Parallel {
     /// The number of blocks into which the cells of a flow are cut. The processes share them evenly, so at least one per process is needed.
-    /// Results depend on the blocks by round-off. They do not depend on the number of processes or threads.
+    /// Results depend on the blocks within the tolerance of Newton's method. They do not depend on the number of processes or threads.
     pub blocks: usize,
     /// The number of groups of cells that the preconditioner `"blocks"` eliminates one after the other, in all blocks at the same time.
     /// `"exact"` keeps the order of elimination of a mesh in one block. More groups save iterations if there are many blocks, but cost

@@ -31,7 +31,8 @@ pub struct Time {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Adaptive {
-    /// The target of the jump: its L2 norm over the domain, every component in units of `flow.reference`.
+    /// The target of the jump: its L2 norm over the domain, every component in units of `flow.reference`. The jumps of the velocities of bodies
+    /// and structures count with their masses, in units of the reference density and speed.
     pub tolerance: f64,
     /// The shortest slab, which is accepted with any jump. Default: a thousandth of the step.
     pub smallest: Option<f64>,

@@ -9,8 +9,9 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields, default)]
 pub struct Solver {
     /// A slab has converged when the residual has fallen by this factor below that of a state that stays as it is at the bottom of the slab.
-    /// The first guess is better, so the residual need not fall as far from there. At most 0.1. Mass, momentum and energy balance to round-off
-    /// for any tolerance.
+    /// The first guess is better, so the residual need not fall as far from there. Bodies and structures have converged when the error of their
+    /// positions is this part of their way in the slab, or of the spacing of nodes if that is less. At most 0.1. Mass, momentum and energy
+    /// balance to round-off for any tolerance.
     pub newton_tolerance: f64,
     /// A slab has also converged when the residual is below this size, in units of the reference state, or at round-off. At most
     /// 0.1.
@@ -140,7 +141,7 @@ pub struct Steady {
     /// The flow is steady when the residual has fallen by this factor below the residual of the initial state. At most
     /// 0.1.
     pub tolerance: f64,
-    /// The first step in pseudo-time.
+    /// The first step in pseudo-time, in units of reference length / reference speed.
     pub first_step: f64,
     /// The power of the ratio of residuals by which the step grows.
     pub power: f64,

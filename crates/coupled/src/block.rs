@@ -167,6 +167,19 @@ pub trait Body: Block {
     /// Its state from the numbers `stored`.
     fn read(&self, stored: &[f64]) -> BodyState;
 
+    /// The way of the body in the slab with the unknowns `z`, in the units of residuals in the norm of its weights.
+    fn way(&self, z: &[f64]) -> f64;
+
+    /// Twice the kinetic energy of the jump of the rates at the bottom of the slab with the unknowns `z`.
+    fn jump(&self, _z: &[f64]) -> f64 {
+        0.0
+    }
+
+    /// A change of the unknowns `z` that has the effect of one of the last digit of rates and positions.
+    fn last_digits(&self, z: &[f64]) -> Vec<f64> {
+        z.iter().map(|rate| f64::EPSILON * rate).collect()
+    }
+
     /// z := the guess for the slab that [`Block::begin_slab`] has set; writes the displacement of its walls. `past` holds the unknowns and
     /// the length of the slab before, if there was one.
     fn guess(&mut self, past: Option<(&[f64], f64)>, exchange: &mut Exchange, z: &mut [f64]);

@@ -90,8 +90,8 @@ pub struct SlabReport<const M: usize> {
     pub counts: Counts,
     /// The quality of the mesh.
     pub quality: MeshQuality,
-    /// The jump of the flow at the bottom, in L2 over the domain, every component in units of its scale: an estimate of the error
-    /// in time.
+    /// The jump of the flow at the bottom, in L2 over the domain, every component in units of its scale, with that of bodies: an estimate of
+    /// the error in time.
     pub jump: f64,
     /// The fluxes through the boundaries, positive outwards, at the quadrature points in time and at the top of the slab.
     pub fluxes: Vec<FluxesAt<M>>,
@@ -238,6 +238,10 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         settings: &newton::Settings,
     ) -> Result<newton::Report, newton::Error> {
         let CoupledSlab { system, jacobian, workspace, .. } = self;
+        let newton::Settings { absolute_tolerance, relative_tolerance, .. } = *settings;
+        // The flow is the last field.
+        let reference = references.last().copied().unwrap_or(0.0);
+        system.mesh.flow_tolerance = absolute_tolerance.max(relative_tolerance * reference);
         match jacobian {
             Jacobian::Exact => newton::solve(system, z, Some(references), settings, workspace),
             Jacobian::FiniteDifference => {
@@ -310,8 +314,20 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         velocity
     }
 
-    /// |u(t_n+) - u_n| in L2 over the domain, every component in units of its scale.
+    /// |u(t_n+) - u_n| in L2 over the domain, every component in units of its scale, with the jumps of the velocities of bodies.
     fn jump_at_bottom(&mut self, state: &State, z: &[f64]) -> f64 {
+        self.jump_of_flow(state, z).hypot(self.jump_of_bodies(z))
+    }
+
+    /// (sum of v . M v / rho U^2)^1/2 of the jumps v of the velocities of bodies: over a solid of density rho_s the L2 norm of (rho_s /
+    /// rho)^1/2 v / U.
+    fn jump_of_bodies(&self, z: &[f64]) -> f64 {
+        let bodies = self.system.bodies.iter().enumerate();
+        let energy: f64 = bodies.map(|(number, body)| body.jump(&z[self.system.body_range(number)])).sum();
+        (energy / self.system.kinetic_scale).max(0.0).sqrt()
+    }
+
+    fn jump_of_flow(&mut self, state: &State, z: &[f64]) -> f64 {
         let flow = &self.system.flow.operator;
         let (layout, one, u) = (flow.layout, flow.layout.at_one_time(), &z[self.system.flow_range()]);
         let [jump, mass_product] = self.workspace.room().map(|room| &mut room[..one.len()]);

@@ -61,8 +61,8 @@ pub use slab_error::{MarchError, SlabError, chain};
 pub use start_layer::{EasedStart, StartLayer};
 pub use state::{Interval, Past, State};
 pub use steady::{
-    Discretisation, Discretised, Equilibrium, NoEquilibrium, Reliability, Search, Settling, Stability, Stage,
-    SteadyError, SteadyFlow, find_equilibrium, solve_steady,
+    Discretisation, Discretised, Equilibrium, Invariants, NoEquilibrium, Reliability, Search, Settling, Stability,
+    Stage, SteadyError, SteadyFlow, find_equilibrium, solve_steady,
 };
 pub use structure_march::{Equations, StructureAlone, StructureMarch, StructureReport, Supports};
 pub use system::{ResidualBreakdown, System};

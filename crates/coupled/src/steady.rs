@@ -8,11 +8,13 @@
 //! pseudo-time, (1/dtau) M, and dtau grows as the residual falls.
 
 mod equilibrium;
+mod invariants;
 mod reliability;
 mod search;
 mod settling;
 
 pub use equilibrium::{Equilibrium, NoEquilibrium, find_equilibrium};
+pub use invariants::Invariants;
 pub use reliability::{Reliability, Stability};
 pub use search::{Discretisation, Discretised, Search, Stage, SteadyError, SteadyFlow};
 pub use settling::Settling;
@@ -28,14 +30,14 @@ use newton_krylov::newton::{self, Workspace};
 use newton_krylov::problem::{Inadmissible, NonlinearProblem};
 use newton_krylov::pseudo_time;
 
-/// The length of the slab: so long that u_n has no influence. All terms scale with it, so it costs no digits.
+/// The length of the slab in time units of the flow: so long that u_n has no influence. All terms scale with it, so it costs no digits.
 const LONG: f64 = 1e12;
 
 /// The smallest eta of a step that is damped. Such a step follows the flow in time and does not end at a solution.
 const LOOSE: f64 = 0.1;
 
 /// Replaces `u` by the steady flow of the data at `time`, found from `u` by pseudo-time on the mesh of `problem` displaced by `d`.
-/// `problem` has one node in time and a mesh that stands still; 1/dtau of the settings is per time unit. Tolerance and 1/dtau are those
+/// `problem` has one node in time and a mesh that stands still; 1/dtau of the settings is per time, not per `time_unit`. Tolerance and 1/dtau are those
 /// for the residual of the state `initial`: a better `u` begins with longer steps in pseudo-time. The report is that of a slab of length
 /// zero at `time`, the start of a run.
 ///
@@ -50,7 +52,7 @@ pub fn solve_steady<const D: usize, const M: usize>(
     u: &mut [f64],
     d: &[f64],
     initial: &[f64],
-    time: f64,
+    (time, time_unit): (f64, f64),
     settings: &newton::Settings,
 ) -> Result<SlabReport<M>, SlabError> {
     assert!(
@@ -58,9 +60,9 @@ pub fn solve_steady<const D: usize, const M: usize>(
         "one node in time, and no mesh to solve for"
     );
     let at_rest = vec![0.0; problem.mover().field_len()];
-    problem.at_rest(time, u, d)?;
+    problem.at_rest((time, time_unit), u, d)?;
     problem.flow.preconditioner.steady = true;
-    // The residual of (steady) is dt times a rate.
+    // The residual of (steady) is dt times a rate, which the time unit makes a number.
     let absolute_tolerance = settings.absolute_tolerance.max(ROUND_OFF) * LONG;
     let references = residual_norms(problem, initial)?;
     let pseudo_time = continued(settings.pseudo_time, references[0], residual_norms(problem, u)?[0]);
@@ -95,11 +97,11 @@ pub fn solve_steady<const D: usize, const M: usize>(
 }
 
 impl<const D: usize, const M: usize> System<D, M> {
-    /// Begins the slab of (steady) at `time` on top of `u`, on the mesh displaced by `d`.
-    fn at_rest(&mut self, time: f64, u: &[f64], d: &[f64]) -> Result<(), SlabError> {
+    /// Begins the slab of (steady) at `time` on top of `u`, on the mesh displaced by `d`. The flow has the given time unit.
+    fn at_rest(&mut self, (time, time_unit): (f64, f64), u: &[f64], d: &[f64]) -> Result<(), SlabError> {
         self.hold_time(time);
         let state = State::new(time, u.to_vec(), d.to_vec());
-        self.begin(Interval { start: time, end: time + LONG, halvings: 0 }, &state)?;
+        self.begin(Interval { start: time, end: time + LONG * time_unit, halvings: 0 }, &state)?;
         self.move_mesh(&mut vec![0.0; d.len()])?;
         Ok(())
     }

@@ -39,6 +39,8 @@ pub struct System<const D: usize, const M: usize> {
     pub mesh: MeshBlock<D>,
     /// The flow.
     pub flow: FlowBlock<D, M>,
+    /// rho U^2 of the reference state, the unit of the kinetic energy of jumps of bodies.
+    pub kinetic_scale: f64,
     /// At the point z last evaluated.
     pub(crate) exchange: Exchange,
     /// Along the direction last taken.
@@ -66,6 +68,7 @@ impl<const D: usize, const M: usize> System<D, M> {
             bodies,
             mesh,
             flow,
+            kinetic_scale: 1.0,
             exchange: Exchange::default(),
             tangent: Exchange::default(),
             fields: Vec::new(),
@@ -239,14 +242,18 @@ impl<const D: usize, const M: usize> System<D, M> {
         self.fields.iter().map(|field| self.weights.norm_on(field.range.clone(), r)).collect()
     }
 
-    /// The norms that relative tolerances refer to, and |R| at the guess z. For the flow it is its residual at z. For bodies and mesh it is
-    /// one: their residuals are errors of position relative to the spacing of nodes.
+    /// The norms that relative tolerances refer to, and |R| at the guess z. For the flow it is its residual at z. The residuals of bodies and
+    /// mesh are errors of position relative to the spacing of nodes. For the mesh the reference is one. For a body it is its way in the slab, at
+    /// most one: a body that begins to move goes less than the spacing of nodes for many slabs.
     pub(crate) fn references(&mut self, z: &[f64]) -> Result<(Vec<f64>, f64), Inadmissible> {
         let mut r = vec![0.0; z.len()];
         self.residual(z, &mut r)?;
         let mut norms = self.field_norms(&r);
-        let flow = norms.len() - 1;
-        norms[..flow].fill(1.0);
+        let (bodies, flow) = (self.bodies.len(), norms.len() - 1);
+        for (number, body) in self.bodies.iter().enumerate() {
+            norms[number] = body.way(&z[self.body_range(number)]).max(norms[number]).min(1.0);
+        }
+        norms[bodies..flow].fill(1.0);
         Ok((norms, self.weights.norm(&r)))
     }
 }

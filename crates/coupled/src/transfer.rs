@@ -18,27 +18,30 @@ use fem::{Layout, Orders, Sampler};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// The flow `u` at one time, of order `from` in space, as one of order `to`, on the mesh of `mover` displaced by `d`.
+/// The flow `u` of the `cells` of a mesh at one time, of order `from` in space, as one of order `to`. The mesh is that of `mover` displaced by
+/// `d`.
 ///
 /// # Panics
 /// If the length of `u` does not fit.
 pub fn transfer_flow<const D: usize>(
-    u: &[f64],
-    mover: &MeshMover<D>,
-    d: &[f64],
-    components: usize,
+    (cells, u): (&[usize], &[f64]),
+    (mover, d): (&MeshMover<D>, &[f64]),
     from: usize,
     to: usize,
 ) -> Vec<f64> {
     let orders = |flow| Orders { flow, mesh: mover.reference.order(), time: 1 };
     let space = Space::<D>::new(orders(from), orders(to));
-    carried(&space, mover, d, u, components * from.pow(D as u32))
+    carried(&space, (mover, d), (cells, u))
 }
 
-/// The state `u`, of `len` numbers in a cell, by `space`.
-fn carried<const D: usize>(space: &Space<D>, mover: &MeshMover<D>, d: &[f64], u: &[f64], len: usize) -> Vec<f64> {
-    let cells = u.par_chunks_exact(len).enumerate();
-    cells.flat_map_iter(|(cell, u)| space.carry(u, || mover.cell_positions(cell, d))).collect()
+/// The state `u` of `cells`, by `space`.
+fn carried<const D: usize>(
+    space: &Space<D>,
+    (mover, d): (&MeshMover<D>, &[f64]),
+    (cells, u): (&[usize], &[f64]),
+) -> Vec<f64> {
+    let of_cells = cells.par_iter().zip(u.par_chunks_exact(u.len() / cells.len()));
+    of_cells.flat_map_iter(|(&cell, u)| space.carry(u, || mover.cell_positions(cell, d))).collect()
 }
 
 impl State {
@@ -54,14 +57,15 @@ impl State {
         };
         let (old, new, space) = (layout(from), layout(to), Space::<D>::new(from, to));
         let time = RadauTime::new(from.time).lagrange().value_matrix(RadauTime::new(to.time).nodes());
-        let carried = |u: &[f64], len: usize| carried(&space, mover, &self.d, u, len);
+        let cells: Vec<usize> = (0..old.cells).collect();
+        let carried = |u: &[f64]| carried(&space, (mover, &self.d), (&cells, u));
         let past = self.past.as_ref().map(|past| Past {
-            u: Arc::new(by_time(&time, &carried(&past.u, old.cell_len()), new.time_len())),
+            u: Arc::new(by_time(&time, &carried(&past.u), new.time_len())),
             v: Arc::new(by_time(&time, &past.v, self.d.len())),
             bodies: past.bodies.iter().map(|z| by_time(&time, z, z.len() / time.cols())).collect(),
             ..past.clone()
         });
-        let u = carried(&self.u, old.time_len());
+        let u = carried(&self.u);
         let determinants = if from.flow == to.flow { self.determinants.clone() } else { Vec::new() };
         State {
             u,

@@ -286,6 +286,19 @@ pub enum MeshError {
         /// The accepted distance.
         tolerance: f64,
     },
+    /// The cells of two periodic boundaries are on the same side of them.
+    #[error(
+        "periodic boundaries \"{minus}\" and \"{plus}\" face the same way at {position:?}: their cells would overlap; periodic boundaries \
+         are opposite ends of a mesh"
+    )]
+    SameSide {
+        /// The boundary that is translated.
+        minus: String,
+        /// The boundary with which it coincides.
+        plus: String,
+        /// The centre of a face of `plus`.
+        position: Vec<f64>,
+    },
     /// The normals of the facets that meet in a node of a boundary cancel.
     #[error("boundary \"{name}\" has no normal at {position:?}: its facets are back to back there, as at a cusp")]
     NoNormal {

@@ -87,6 +87,12 @@ impl Orientation {
         turned(0, j0) + n * turned(1, j1)
     }
 
+    /// +1 if both lattices turn the same way, -1 if they are mirrored.
+    pub fn parity(self) -> f64 {
+        let [first, second] = self.flip;
+        if self.swap ^ first ^ second { -1.0 } else { 1.0 }
+    }
+
     /// The orientation that maps the vertices `minus` of a face (2 or 4, in the order of the face's lattice) to the
     /// same vertices in the order of the other side. `None` if there is none.
     pub fn from_corners(minus: &[usize], plus: &[usize]) -> Option<Self> {

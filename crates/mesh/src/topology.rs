@@ -270,6 +270,14 @@ mod tests {
             matches!(&error, MeshError::PeriodicMismatch { distance: 0.125, minus, .. } if minus == "outflow"),
             "{error}"
         );
+        // The upper sides of both squares are translates of each other, but both cells lie below them.
+        let error = two_squares().refused(|p| {
+            p.boundaries[2].1 = vec![side(0, 2), side(1, 2)];
+            p.boundaries.push(("left".into(), vec![side(0, 3)]));
+            p.boundaries.push(("right".into(), vec![side(1, 3)]));
+            p.periodic.push(pair(3, 4, 1.0));
+        });
+        assert!(matches!(&error, MeshError::SameSide { minus, .. } if minus == "left"), "{error}");
         let error = two_squares().refused(|p| p.periodic.push(pair(1, 2, 0.0)));
         assert!(matches!(error, MeshError::PairCount { minus_faces: 1, plus_faces: 4, .. }));
         for (pairs, wrong) in

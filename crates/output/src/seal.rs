@@ -44,7 +44,9 @@ pub(crate) fn verify(path: &Path) -> Result<(), OutputError> {
     match read().map_err(|source: io::Error| file_error(path, source))? {
         Some((expected, found)) if found == expected => Ok(()),
         Some((_, found)) if found.starts_with(NAME) => Err(damaged("its contents do not match its checksum")),
-        _ => Err(damaged("its end is missing, or it is not a result file")),
+        _ => {
+            Err(damaged("its end is missing, or it is another file, such as one of averages or surfaces for ParaView"))
+        }
     }
 }
 

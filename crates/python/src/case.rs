@@ -4,6 +4,7 @@ use crate::observer::Listener;
 use crate::values::{to_python, to_toml};
 use crate::{CaseError, SolveError, message};
 use ::case::AnyCase;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -81,6 +82,9 @@ impl Case {
         progress: bool,
         threads: Option<NonZero<usize>>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        if let Some(given) = on_slab.as_ref().filter(|given| !given.bind(py).is_callable()) {
+            return Err(PyTypeError::new_err(format!("on_slab = {} cannot be called", given.bind(py).repr()?)));
+        }
         let pool = threads.map(pool).transpose()?;
         let destination = self.destination(output, existing)?;
         let line = progress.then(|| py.import("stsolve._progress")?.call_method0("Progress")).transpose()?;
@@ -115,7 +119,9 @@ impl Case {
             }
         };
         let of_case = Destination::of(&self.case).directory;
-        Ok(Destination { directory: output.unwrap_or(of_case), existing })
+        // The directory of work may change during the run.
+        let directory = std::path::absolute(output.unwrap_or(of_case))?;
+        Ok(Destination { directory, existing })
     }
 }
 

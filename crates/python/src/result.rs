@@ -35,6 +35,8 @@ macro_rules! in_dimension {
 impl Result {
     #[new]
     fn new(path: PathBuf) -> PyResult<Self> {
+        // Another directory of work does not change what the result is read from.
+        let path = std::path::absolute(&path)?;
         let file = if path.is_dir() { path.join(RESULT_FILE) } else { path };
         let reader = ResultReader::open(&file).map_err(unreadable)?;
         Ok(Result { directory: file.parent().map(PathBuf::from).unwrap_or_default(), reader })
@@ -48,9 +50,18 @@ impl Result {
 
     /// The step whose time is nearest to `time`.
     fn step_at(&self, time: f64) -> PyResult<usize> {
+        if time.is_nan() {
+            return Err(PyValueError::new_err("the time is not a number"));
+        }
+        let [first, .., last] = self.reader.times[..] else {
+            let alone = (!self.reader.times.is_empty()).then_some(0);
+            return alone.ok_or_else(|| PyValueError::new_err("the result has no steps"));
+        };
+        // Times that are infinitely far are equally far from all steps.
+        let time = time.clamp(first, last);
         let steps = self.reader.times.iter().enumerate();
         let nearest = steps.min_by(|(_, a), (_, b)| (*a - time).abs().total_cmp(&(*b - time).abs()));
-        nearest.map(|(step, _)| step).ok_or_else(|| PyValueError::new_err("the result has no steps"))
+        Ok(nearest.map_or(0, |(step, _)| step))
     }
 
     /// The resolved case, as TOML.

@@ -5,8 +5,20 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 use serde::Serialize;
 
+/// Values may lie so deep in others. One that contains itself is deeper.
+const DEEPEST: usize = 100;
+
 /// A value of a case file as TOML: the text behind `key =`.
 pub fn to_toml(value: &Bound<'_, PyAny>) -> PyResult<String> {
+    written(value, 0)
+}
+
+/// The same at a `depth` inside of other values.
+fn written(value: &Bound<'_, PyAny>, depth: usize) -> PyResult<String> {
+    if depth > DEEPEST {
+        let message = format!("a value of a case file lies more than {DEEPEST} levels deep in others, or in itself");
+        return Err(PyTypeError::new_err(message));
+    }
     if value.is_instance_of::<PyBool>() {
         return Ok(value.extract::<bool>()?.to_string());
     }
@@ -21,17 +33,17 @@ pub fn to_toml(value: &Bound<'_, PyAny>) -> PyResult<String> {
     }
     if let Ok(table) = value.cast::<PyDict>() {
         let entry = |(key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
-            Ok(format!("{} = {}", quoted(&key.extract::<String>()?)?, to_toml(&value)?))
+            Ok(format!("{} = {}", quoted(&key.extract::<String>()?)?, written(&value, depth + 1)?))
         };
         return Ok(format!("{{ {} }}", table.iter().map(entry).collect::<PyResult<Vec<_>>>()?.join(", ")));
     }
     if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
-        let entries = value.try_iter()?.map(|entry| to_toml(&entry?)).collect::<PyResult<Vec<_>>>()?;
+        let entries = value.try_iter()?.map(|entry| written(&entry?, depth + 1)).collect::<PyResult<Vec<_>>>()?;
         return Ok(format!("[{}]", entries.join(", ")));
     }
-    // A number of NumPy becomes one of Python.
+    // A number of NumPy becomes one of Python, unless Python has no such number.
     match value.call_method0("item") {
-        Ok(item) if !item.is(value) => to_toml(&item),
+        Ok(item) if !item.get_type().is(value.get_type()) => written(&item, depth + 1),
         _ => Err(PyTypeError::new_err(format!("{} is no value of a case file", value.repr()?))),
     }
 }

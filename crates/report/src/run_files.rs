@@ -134,6 +134,9 @@ fn result(directory: &Path, history: &HistoryTable) -> Result<ResultReader, Stri
     match (reader.times.as_slice(), reached) {
         ([_, .., last], Some(reached)) if *last <= reached => Ok(reader),
         ([] | [_], _) => Ok(reader),
-        _ => Err(format!("{RESULT_FILE} is that of an earlier run; the first checkpoint replaces it")),
+        _ => Err(format!(
+            "{RESULT_FILE} reaches further than the history: it is that of an earlier run, which the first checkpoint replaces, or the \
+             history has lost rows, which `--resume` writes again"
+        )),
     }
 }

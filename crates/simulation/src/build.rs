@@ -126,6 +126,7 @@ fn system<const D: usize, const M: usize>(
     let bodies = bodies(case, flow, &mover.numbering, &mut operator)?;
     let mut system = System::with_bodies(operator, mover, bodies);
     system.flow.preconditioner.method = method(case.preconditioner());
+    system.kinetic_scale = 2.0 * flow.law.reference.dynamic_pressure();
     Ok(system)
 }
 
@@ -189,11 +190,11 @@ fn method(preconditioner: Preconditioner) -> Method {
     }
 }
 
-/// A discretisation of the flow of a case on the mesh at rest with the displacement `d`, and the initial state there.
+/// A discretisation of the flow of a case on the cells of `share`, on the mesh at rest with the displacement `d`, and the initial state there.
 pub fn steady<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &Flow<D>,
-    d: &[f64],
+    (share, d): (&Share, &[f64]),
     discretisation: Discretisation,
 ) -> Discretised<D, M>
 where
@@ -206,7 +207,8 @@ where
     let flow = &Flow { law: NavierStokes { riemann, ..flow.law }, ..flow.clone() };
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
     let orders = Orders { flow: order, mesh: case.mesh.order(), time: time_order };
-    let mut operator = SlabOperator::new(problem(flow), &case.mesh, numbering.clone(), orders, flow.quadrature);
+    let mut operator =
+        SlabOperator::of_share(problem(flow), &case.mesh, &numbering, orders, flow.quadrature, share.clone());
     operator.set_displacement(d);
     let initial = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
     let mover = MeshMover::new(MeshMotion::Still, case.mesh.clone(), numbering, time_order);

@@ -27,9 +27,10 @@ pub fn check<const D: usize>(case: &Case<D>) -> Result<(), Failure> {
     )))
 }
 
-/// The values, a part of the row of history.csv.
+/// The values, a part of the row of history.csv. A mesh that moves alone has no controls.
 pub fn values<const D: usize>(case: &Case<D>) -> Vec<f64> {
-    case.controls.iter().map(|control| control.value.get()).collect()
+    let controls = if case.flow.is_some() { &case.controls[..] } else { &[] };
+    controls.iter().map(|control| control.value.get()).collect()
 }
 
 /// Gives every control its value, or without values the initial one.
@@ -73,7 +74,7 @@ pub fn update<const D: usize>(
     row: &[f64],
     statistics: &mut RunStatistics,
 ) -> Result<(), Failure> {
-    if case.controls.is_empty() {
+    if case.controls.is_empty() || case.flow.is_none() {
         return Ok(());
     }
     let at = |column: Option<usize>| column.map_or(f64::NAN, |number| row[number]);

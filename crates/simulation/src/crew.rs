@@ -4,6 +4,8 @@
 //! |---|---|
 //! | build | make the march of their share |
 //! | restore | take their part of a state, and of what the preconditioner is made of |
+//! | search the steady flow | do so; rank 0 receives the flow of all |
+//! | release bodies | let bodies go from the steady flow; rank 0 receives the state of all |
 //! | advance | attempt to solve a slab; rank 0 receives the flow of all |
 //! | store | send what the preconditioner is made of to rank 0 |
 //! | finish | end |
@@ -20,10 +22,10 @@ pub use orders::Orders;
 
 use super::history::require_distinct_columns;
 use super::memory_estimate::require_memory;
-use super::{Failure, build, checkpoint, controls, fallback};
+use super::{Failure, build, checkpoint, controls, fallback, steady_search};
 use agreement::{digest, first_other};
-use case::{AnyCase, Case, Flow, State};
-use coupled::{FlowMarch, MeshMover, SlabReport};
+use case::{AnyCase, Case, Flow, State, Steady};
+use coupled::{Equilibrium, FlowMarch, MeshMover, SlabReport, SteadyError, SteadyFlow};
 use fem::{Blocks, Bottom, Share, SlabOperator, StateField};
 use mesh::MeshError;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
@@ -31,10 +33,8 @@ use orders::Order;
 use output::SolverState;
 use parts::{own_linearisation, own_state};
 use ranks::{Communicator, Sums};
-use rayon::ThreadPoolBuilder;
 use std::borrow::Cow;
 use std::mem::take;
-use std::num::NonZero;
 use std::sync::Arc;
 
 /// The number of blocks among the stored numbers.
@@ -48,8 +48,6 @@ pub struct Crew<const D: usize, const M: usize> {
     pub operator: SlabOperator<D, M>,
     /// The block of every cell.
     blocks: Vec<usize>,
-    /// Whether all ranks have the state. At the start each makes its part of it.
-    pub in_step: bool,
     orders: Arc<Orders>,
 }
 
@@ -88,7 +86,7 @@ where
         let u = build::initial(case, flow, &operator, mover);
         let state = coupled::State { u, ..march.state.clone() };
         let blocks = blocks(case).map_err(Failure::bad_input)?.of_cell;
-        Ok((march, Some(Crew { state, operator, blocks, in_step: true, orders: orders.clone() })))
+        Ok((march, Some(Crew { state, operator, blocks, orders: orders.clone() })))
     }
 
     /// Has all ranks take their parts of the state, and of a linearisation if there is one. A `flow` that the state has in a split form
@@ -104,7 +102,6 @@ where
         if restore(case, flow, stored, march)? {
             self.operator = build::measuring_operator::<D, M>(case, flow, &march.solver.system.mesh.mover);
         }
-        self.in_step = true;
         Some(())
     }
 
@@ -112,16 +109,7 @@ where
     ///
     /// # Errors
     /// As [`coupled::March::attempt`], alike on all ranks; other bits of the mesh on another rank.
-    pub fn advance(
-        &mut self,
-        case: &Case<D>,
-        flow: &mut Cow<'_, Flow<D>>,
-        march: &mut FlowMarch<D, M>,
-    ) -> anyhow::Result<Option<SlabReport<M>>> {
-        if !self.in_step {
-            let stored = checkpoint::store(&self.state, None, false);
-            self.restore(case, flow, &stored, march);
-        }
+    pub fn advance(&mut self, case: &Case<D>, march: &mut FlowMarch<D, M>) -> anyhow::Result<Option<SlabReport<M>>> {
         self.orders.give(Order::Advance, controls::told(case).as_ref());
         let report = advance(march);
         if matches!(report, Ok(Some(_))) {
@@ -134,6 +122,41 @@ where
         report
     }
 
+    /// Has all ranks search the steady flow.
+    ///
+    /// # Errors
+    /// As [`steady_search::search`], alike on all ranks.
+    pub fn search_steady_flow(
+        &mut self,
+        case: &Case<D>,
+        flow: &Flow<D>,
+        steady: &Steady,
+        march: &mut FlowMarch<D, M>,
+    ) -> Result<SteadyFlow<M>, SteadyError> {
+        self.orders.give(Order::SearchSteadyFlow, None);
+        let found = steady_search::search(case, flow, steady, march);
+        parts::join_state(march, &mut self.state);
+        found
+    }
+
+    /// Has all ranks let bodies go from the steady flow.
+    ///
+    /// # Errors
+    /// As [`steady_search::release_bodies`], alike on all ranks.
+    pub fn release_bodies(
+        &mut self,
+        case: &Case<D>,
+        flow: &Flow<D>,
+        steady: &Steady,
+        march: &mut FlowMarch<D, M>,
+    ) -> anyhow::Result<Equilibrium<M>> {
+        self.orders.give(Order::ReleaseBodies, None);
+        let found = steady_search::release_bodies(case, flow, steady, march);
+        parts::join_state(march, &mut self.state);
+        self.operator.set_displacement(&self.state.d);
+        found
+    }
+
     /// The state with what the preconditioners of all ranks are made of.
     pub fn store(&self, march: &FlowMarch<D, M>) -> SolverState {
         self.orders.give(Order::Store, None);
@@ -144,28 +167,9 @@ where
         stored
     }
 
-    /// How many ranks there are.
-    pub fn ranks(&self) -> usize {
-        self.orders.communicator().size()
-    }
-
     /// Puts the operator on the mesh of the last slab, so that the flow can be measured.
     pub fn look_at_last_slab(&mut self) {
         look_at_last_slab(&mut self.operator, &self.state);
-    }
-}
-
-/// Does the `work` of rank 0, one of `ranks`, with the threads of those ranks on this machine that wait for the next order.
-pub fn while_others_wait<R: Send>(ranks: usize, work: impl FnOnce() -> R + Send) -> R {
-    let of_rank = rayon::current_num_threads();
-    let of_machine = std::thread::available_parallelism().map_or(1, NonZero::get);
-    let threads = (of_rank * ranks).min(of_machine);
-    if threads <= of_rank {
-        return work();
-    }
-    match ThreadPoolBuilder::new().num_threads(threads).build() {
-        Ok(pool) => pool.install(work),
-        Err(_) => work(),
     }
 }
 
@@ -289,6 +293,18 @@ where
                 let stored = orders::decode(&state);
                 controls::set_for_preconditioner(case, Some(&stored));
                 restore(case, &mut flow, &stored, march);
+            }
+            (Order::SearchSteadyFlow, Some(march)) => {
+                if let Some(steady) = &case.solver.steady {
+                    let _ = steady_search::search(case, &flow, steady, march);
+                }
+                parts::join_state(march, &mut coupled::State::new(0.0, Vec::new(), Vec::new()));
+            }
+            (Order::ReleaseBodies, Some(march)) => {
+                if let Some(steady) = &case.solver.steady {
+                    let _ = steady_search::release_bodies(case, &flow, steady, march);
+                }
+                parts::join_state(march, &mut coupled::State::new(0.0, Vec::new(), Vec::new()));
             }
             (Order::Advance, Some(march)) => {
                 controls::hear(case, &orders::decode(&state));

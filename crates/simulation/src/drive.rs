@@ -25,7 +25,7 @@ use coupled::Past;
 use fall_back::{fall_back, is_held};
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
-use output::{ArraySpec, OutputError, SolverState, Summary};
+use output::{ArraySpec, OutputError, Series, SolverState, Summary};
 use ranks::{Alone, Communicator};
 use std::path::Path;
 use std::sync::Arc;
@@ -219,6 +219,9 @@ fn drive_in<const D: usize, const M: usize, R: Run>(
         let (time, end) = (rounded_time(run.state().time), case.time.end);
         observer.say(&format!("warning: the checkpoint is at t = {time}, after the end {end}: nothing is left to do"));
     }
+    if let Some(start) = origin.filter(|_| case.output.surfaces_every.is_some()) {
+        continue_surfaces(&run, &mut recorder, &start.surfaces)?;
+    }
     let stop = match resumed {
         None => begin(&mut run, &mut recorder, &mut context, session.directory.path())?,
         Some(_) => None,
@@ -304,6 +307,21 @@ fn append_surfaces<const D: usize, const M: usize>(
 ) -> Result<(), Failure> {
     let time = run.state().time;
     run.surfaces().iter().try_for_each(|(array, values)| recorder.append_to_series(array, time, values))
+}
+
+/// Begins the series of distributions along walls with those of the `earlier` run, where they have the same points.
+fn continue_surfaces<const D: usize, const M: usize>(
+    run: &impl Run,
+    recorder: &mut Recorder<D, M>,
+    earlier: &[Series],
+) -> Result<(), Failure> {
+    for (array, _) in run.surfaces() {
+        let Some(series) = earlier.iter().find(|series| series.array == array) else { continue };
+        let snapshots = series.times.iter().zip(series.values.chunks_exact(array.len()));
+        let mut reached = snapshots.filter(|(time, _)| **time <= run.state().time);
+        reached.try_for_each(|(time, values)| recorder.append_to_series(&array, *time, values))?;
+    }
+    Ok(())
 }
 
 /// Restores the run from a checkpoint, its own or that of the run that it continues.

@@ -228,7 +228,7 @@ where
     fn advance(&mut self) -> anyhow::Result<Option<SlabReport<M>>> {
         Ok(match &mut self.crew {
             None => self.march.attempt()?,
-            Some(crew) => crew.advance(self.case, &mut self.flow, &mut self.march)?,
+            Some(crew) => crew.advance(self.case, &mut self.march)?,
         })
     }
     fn can_fall_back(&self) -> bool {

@@ -168,6 +168,7 @@ mod resume;
 mod session;
 mod slices;
 mod statistics;
+mod steady_search;
 mod stored_field;
 mod structure_run;
 mod summary;

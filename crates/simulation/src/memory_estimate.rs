@@ -56,9 +56,9 @@ pub struct MemoryEstimate {
     pub mesh: usize,
     /// The sums of averages over time.
     pub averages: usize,
-    /// The memory of the search for the steady flow, if the run begins with it. Its preconditioner is freed before that of the slabs is
-    /// allocated.
-    pub steady: Option<usize>,
+    /// The memory of the search for the steady flow, if the run begins with it: what ranks share, and a mesh. Its preconditioner is freed
+    /// before that of the slabs is allocated.
+    pub steady: Option<[usize; 2]>,
 }
 
 impl MemoryEstimate {
@@ -89,8 +89,11 @@ impl MemoryEstimate {
         let steady = |steady: Steady| {
             let search = vectors / time_order + steady_preconditioner(case);
             // Slabs with one time node, on a mesh of their own.
-            let equilibrium = vectors / time_order + jacobian + factors_of_slab / time_order + of_mesh;
-            if steady.bodies == SteadyBodies::Equilibrium { search.max(equilibrium) } else { search }
+            let equilibrium = vectors / time_order + jacobian + factors_of_slab / time_order;
+            match steady.bodies {
+                SteadyBodies::Equilibrium if equilibrium + of_mesh > search => [equilibrium, of_mesh],
+                _ => [search, 0],
+            }
         };
         MemoryEstimate {
             jacobian,
@@ -103,8 +106,7 @@ impl MemoryEstimate {
         }
     }
 
-    /// Of one of several ranks: its part of the flow, and all of the mesh. The first one also has the state of the whole flow, and searches
-    /// the steady flow alone.
+    /// Of one of several ranks: its part of the flow, and all of the mesh. The first one also has the state of the whole flow.
     fn of_rank<const D: usize>(case: &Case<D>, rank: usize, ranks: usize) -> Self {
         let whole = MemoryEstimate::of_flow(case);
         if ranks == 1 {
@@ -118,14 +120,14 @@ impl MemoryEstimate {
             most_krylov: whole.most_krylov / ranks,
             mesh: whole.mesh,
             averages: if rank == 0 { whole.averages } else { 0 },
-            steady: whole.steady.filter(|_| rank == 0),
+            steady: whole.steady.map(|[flow, mesh]| [flow / ranks + of_flow, mesh]),
         }
     }
 
     /// The largest memory of a typical run.
     pub fn peak(&self) -> usize {
         let slab = self.jacobian + self.factors + self.vectors;
-        PROGRAM_BYTES + self.averages + self.mesh + slab.max(self.steady.unwrap_or(0))
+        PROGRAM_BYTES + self.averages + self.mesh + slab.max(self.steady.map_or(0, |steady| steady.iter().sum()))
     }
 }
 

@@ -110,7 +110,7 @@ impl<const D: usize> Run for MeshRun<'_, D> {
         match context.statistics.first_invalid {
             Some(first) => Err(self.invalid(first, &quality, context, session)),
             None => {
-                say_valid(&quality, self.march.state.time, context, session);
+                say_valid(&quality, self.march.state.time, !self.case.bodies.is_empty(), context, session);
                 Ok(())
             }
         }
@@ -126,8 +126,8 @@ impl<const D: usize> MeshRun<'_, D> {
             None => "nowhere at 2N Gauss points per direction".to_owned(),
         };
         let error = anyhow::anyhow!(
-            "the mesh is not valid: cell {} is inverted or nearly so from t = {} on by proof, {sampled}; det J / det J_0 falls to \
-             {sampled_min:.6} in cell {cell} at t = {}; results in {}",
+            "the mesh is not valid: cell {} is inverted or nearly so from t = {} on by proof, {sampled}; over the whole run \
+             det J / det J_0 falls to {sampled_min:.6}, in cell {cell} at t = {}; results in {}",
             first.cell,
             rounded_time(first.time),
             rounded_time(*time),
@@ -142,10 +142,11 @@ impl<const D: usize> MeshRun<'_, D> {
 }
 
 /// Reports the proof up to `time`.
-fn say_valid(quality: &MeshQuality, time: f64, context: &RunContext, session: &Session) {
+fn say_valid(quality: &MeshQuality, time: f64, bodies: bool, context: &RunContext, session: &Session) {
     let directory = session.directory.path();
+    let held = if bodies { ", with bodies that rest: only a run of the flow moves them" } else { "" };
     context.observer.say(&format!(
-        "valid until t = {}: det J / det J_0 >= {:.6} proved, smallest in cell {} near t = {}; {:.1} s; results in {}; {}",
+        "valid until t = {}{held}: det J / det J_0 >= {:.6} proved, smallest in cell {} near t = {}; {:.1} s; results in {}; {}",
         rounded_time(time),
         quality.lower_bound,
         quality.cell,

@@ -11,7 +11,7 @@ use coupled::{Linearisation, MeshMotion, MeshMover, State, is_before};
 use fem::{Layout, Orders};
 use mesh::{Mesh, NodeNumbering};
 use navier_stokes::Conserved;
-use output::{Arrays, RESULT_FILE, RestMesh, ResultReader, SolverState};
+use output::{Arrays, RESULT_FILE, RestMesh, ResultReader, Series, SolverState};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -109,6 +109,8 @@ pub struct Start {
     pub state: SolverState,
     /// Warnings about it.
     pub warnings: Vec<String>,
+    /// The distributions along walls of the earlier run.
+    pub surfaces: Vec<Series>,
 }
 
 /// Checks whether `case` can start from the result that it names, if it names one.
@@ -142,7 +144,10 @@ pub fn read<const D: usize, const M: usize>(
     }
     let (_, stored) = output::read_checkpoint(&path)?;
     let origin = Origin { result: ResultReader::open(&path)?, path, stored };
-    origin.continued::<D, M>(case, flow, mover).map(Some).map_err(Failure::bad_input)
+    let start = origin.continued::<D, M>(case, flow, mover).map_err(Failure::bad_input)?;
+    let names = origin.result.series_names()?;
+    let surfaces: Result<Vec<_>, _> = names.iter().map(|name| origin.result.series(name)).collect();
+    Ok(Some(Start { surfaces: surfaces?.into_iter().flatten().collect(), ..start }))
 }
 
 /// The run that is continued.
@@ -183,7 +188,7 @@ impl Origin {
             false => checkpoint::store(&state.transfer(mover, M, from, to), None, false),
         };
         continued.arrays.extend(sums);
-        Ok(Start { state: continued, warnings })
+        Ok(Start { state: continued, warnings, surfaces: Vec::new() })
     }
 
     /// The state in the orders of the run, the linearisation of its preconditioner, and whether that is stale.

@@ -214,6 +214,29 @@ fn a_restart_continues_averages_of_the_same_kind() {
     );
 }
 
+/// Distributions along walls have the means of a run that was not interrupted, after a restart too.
+#[test]
+fn a_restart_continues_means_along_walls() {
+    let directory = TempDir::new().unwrap();
+    let averages = "output.averages={from=0.1,fields=[\"velocity\"]}";
+    let set = [averages, "output.surfaces={walls=[\"bottom\"],every=1}", "time.slabs=4"];
+    let go = |output: &str, more: &[&str]| {
+        let case = directory.path().join("case.toml");
+        let walls = FALLING
+            .replace("[\"x\", \"y\"]", "[\"x\"]")
+            .replace("} }\n    time", "}, boundary.others = \"slip_wall\" }\n    time");
+        fs::write(&case, walls).unwrap();
+        let mut arguments = vec!["run", case.to_str().unwrap(), "--output", output];
+        set.iter().chain(more).for_each(|change| arguments.extend(["--set", change]));
+        stsolve(directory.path(), &arguments).expect(0, &[]);
+    };
+    go("through", &[]);
+    go("half", &["time.end=0.5", "time.slabs=2"]);
+    go("rest", &["restart.from=half"]);
+    let mean = |run: &str| fs::read_to_string(directory.path().join(run).join("surface_bottom_mean.csv")).unwrap();
+    assert_eq!(mean("rest"), mean("through"));
+}
+
 /// A gas whose velocity fluctuates along x about a shear flow. One slab is so short that nothing changes.
 const WAVY: &str = r#"
     mesh = { order = 2, generate.box = { lower = [0, 0], upper = [1, 1], cells = [6, 2], periodic = ["x"] } }

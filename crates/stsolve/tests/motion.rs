@@ -27,6 +27,19 @@ fn a_valid_motion_is_proved() {
     assert!(summary["mesh_quality"].get("first_invalid_time").is_none() && summary.get("newton").is_none());
 }
 
+/// The mesh of a flow that has a control, and of one that bodies move: the proof says that they rest.
+#[test]
+fn a_mesh_moves_without_controls_and_bodies() {
+    let directory = TempDir::new().unwrap();
+    let controls = "controls.force={measure=\"mass\",rate=\"0.1*(1 - measured)\"}";
+    on_case(directory.path(), "motion", "vortex", &[controls, "time.end=0.3"], "controls", &[]).expect(0, &[]);
+    let outcome = stsolve(directory.path(), &["motion", &shipped("piston_free.toml"), "--output", "bodies"]);
+    outcome.expect(0, &["with bodies that rest"]);
+    let outcome = stsolve(directory.path(), &["check", &shipped("piston_free.toml")]);
+    outcome.expect(0, &[]);
+    assert!(!outcome.stdout.contains("or more, proved\n"), "{}", outcome.stdout);
+}
+
 #[test]
 fn an_invalid_motion_is_found() {
     let directory = TempDir::new().unwrap();

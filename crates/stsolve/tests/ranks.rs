@@ -127,10 +127,34 @@ fn a_flow_in_space_has_the_same_bits_on_any_number_of_ranks() {
     assert!(error < 1e-12, "{error:.1e}");
 }
 
-/// A steady start on rank 0, walls with forces, and a mesh that elasticity moves.
+/// A steady start, walls with forces, and a mesh that elasticity moves.
 #[test]
 fn an_airfoil_has_the_same_bits_on_any_number_of_ranks() {
     assert_ranks_leave_no_trace("naca0012_heave", &["flow.order=3", "time.end=0.2", "parallel.blocks=4"]);
+}
+
+/// Ranks search a steady flow together: through lower orders, and with the march that tests it.
+#[test]
+fn a_steady_search_has_the_same_bits_on_any_number_of_ranks() {
+    let cylinder = [
+        "mesh.order=3",
+        "flow.order=3",
+        "mesh.generate.annulus.cells=[12,8]",
+        "time={order=1,end=0,step=1}",
+        "parallel.blocks=4",
+    ];
+    let steady = "solver.steady={first_step=1e4,stability_time=1}";
+    let runs = assert_same_bits_on(&[(2, 1), (4, 1)], "cylinder_steady", &[&cylinder[..], &[steady]].concat());
+    let steady = &summary(&runs.path().join("4_1"))["steady"];
+    assert!(steady.get("stability").is_some(), "{steady}");
+}
+
+/// Ranks let a flag go from the steady flow together.
+#[test]
+fn an_equilibrium_has_the_same_bits_on_any_number_of_ranks() {
+    let coarse =
+        ["mesh.order=3", "flow.order=3", "mesh.generate.channel_flag.flag_cell=0.04", "solver.steady.tolerance=1e-5"];
+    assert_same_bits_on(&[(2, 1), (3, 1)], "turek_hron_fsi1", &[&coarse[..], &["parallel.blocks=4"]].concat());
 }
 
 /// The mesh by BDDC, in two and three dimensions, with a law that is factored anew in every slab.

@@ -175,8 +175,8 @@ fn unresolved(directory: &Path, changes: &[&str]) -> Option<(serde_json::Value, 
     (outcome.code == 0).then(|| (summary(&directory.join("run"))["steady"].clone(), warned))
 }
 
-/// Newton's method finds a lift of 0.448 from a uniform stream and of 0.113 from gas at rest, both with residuals of 4e-10. No flow in time
-/// stays at the first: a march fails within a time unit.
+/// Newton's method finds lifts of 0.448 and 0.632 from a uniform stream and of 0.113 from gas at rest, all with residuals below 1e-9. No flow in
+/// time stays at the first two: a march fails after some time units.
 #[test]
 fn a_spurious_steady_flow_is_told_by_a_march_in_time() {
     let directory = TempDir::new().unwrap();
@@ -187,10 +187,11 @@ fn a_spurious_steady_flow_is_told_by_a_march_in_time() {
         assert_eq!(steady["stability"]["unstable"], unstable, "{steady}");
         assert_eq!(*warned, unstable, "{steady}");
     };
-    // The way of Newton's method from there is long: on another machine one of these may get lost.
-    let first_steps = ["solver.steady.first_step=100", "solver.steady.first_step=1e4"];
-    let from_stream = first_steps.iter().filter_map(|step| unresolved(directory.path(), &[step]));
-    let spurious: Vec<_> = from_stream.filter(|(steady, _)| (lift(steady) - 0.448).abs() < 1e-3).collect();
+    // The way of Newton's method from there is long: with another order of elimination some of these get lost.
+    let (long, low_order) = ("solver.steady.first_step=1e4", "solver.preconditioner=low_order");
+    let ways: [&[&str]; 3] = [&["solver.steady.first_step=100"], &[long], &[long, low_order]];
+    let from_stream = ways.iter().filter_map(|way| unresolved(directory.path(), way));
+    let spurious: Vec<_> = from_stream.filter(|(steady, _)| (lift(steady) - 0.113).abs() > 0.1).collect();
     assert!(!spurious.is_empty(), "the spurious flow was not found");
     spurious.iter().for_each(|flow| judged(flow, true));
     let rest =
@@ -285,24 +286,30 @@ slabs = 1
 /// A piston on a spring closes a tube of gas, whose other end has a pressure that varies in time: k x = p(t) at the start.
 #[test]
 fn a_body_starts_in_equilibrium_with_the_flow() {
-    let case = |start: f64, bodies: &str| {
+    let case = |start: f64, bodies: &str, mass: f64| {
         format!(
             "mesh = {{ order = 2, generate.box = {{ lower = [0, 0], upper = [1.5, 1], cells = [6, 1], periodic = [\"y\"] }} }}
              time = {{ order = 2, start = {start}, end = {start}, step = 0.1 }}
              solver.steady = {{ bodies = \"{bodies}\" }}
-             bodies.piston = {{ walls = [\"right\"], mass = 1, x = {{ spring = 50 }}, mesh = {{ weight = \"x/1.5\" }} }}
+             bodies.piston = {{ walls = [\"right\"], mass = {mass}, x = {{ spring = 50 }}, mesh = {{ weight = \"x/1.5\" }} }}
              [flow]
              order = 3
              gas = {{ viscosity = {{ constant = 0.1 }} }}
              initial = {{ uniform = {{ velocity = [0, 0], pressure = 0.7 }} }}
              reference = {{ density = 1, speed = 1, pressure = 0.7, length = 1.5 }}
-             boundary = {{ left = {{ outflow = {{ pressure = \"0.7*(1 + 0.3*sin(t))\" }} }}, right = \"slip_wall\" }}"
+             boundary.left.inflow = {{ total_pressure = \"0.7*(1 + 0.3*sin(t))\", total_temperature = 0.7, direction = [1, 0] }}
+             boundary.right = \"slip_wall\""
         )
     };
     let directory = TempDir::new().unwrap();
-    for (name, start, bodies) in [("zero", 0.0, "equilibrium"), ("later", 1.25, "equilibrium"), ("held", 1.25, "held")]
-    {
-        run(directory.path(), name, &case(start, bodies)).expect(0, &[]);
+    // A heavy piston hardly moves in the first slabs of the search.
+    for (name, start, bodies, mass) in [
+        ("zero", 0.0, "equilibrium", 1.0),
+        ("later", 1.25, "equilibrium", 1.0),
+        ("heavy", 0.0, "equilibrium", 1e6),
+        ("held", 1.25, "held", 1.0),
+    ] {
+        run(directory.path(), name, &case(start, bodies, mass)).expect(0, &[]);
         let [x, rate] = ["piston_x", "piston_x_rate"].map(|name_of| column(&directory.path().join(name), name_of)[0]);
         let expected = if bodies == "held" { 0.0 } else { 0.7 * (1.0 + 0.3 * start.sin()) / 50.0 };
         println!("{bodies} at {start}: x {x} for {expected}, rate {rate}");
@@ -369,4 +376,85 @@ fn a_steady_flow_between_walls_tells_its_residual() {
     run(directory.path(), "couette", case).expect(0, &[]);
     let residual = number(&summary(&directory.path().join("couette")), "steady.residual");
     assert!(residual < 1e-8, "{residual:e}");
+}
+
+/// The same flow in other units of length, speed and density: steps in pseudo-time follow the units.
+#[test]
+fn a_steady_start_takes_the_same_steps_in_all_units() {
+    let directory = TempDir::new().unwrap();
+    let steps = |length: f64, speed: f64, density: f64| {
+        let stream = format!("{{density={density:e},velocity=[{speed:e},0],mach=0.1}}");
+        let set = [
+            "mesh.order=4".into(),
+            "flow.order=4".into(),
+            format!(
+                "mesh.generate.annulus={{inner_radius={:e},outer_radius={:e},first_cell={:e},cells=[20,14]}}",
+                0.5 * length,
+                100.0 * length,
+                0.1 * length
+            ),
+            format!("flow.gas.viscosity.constant={:e}", 0.025 * density * speed * length),
+            format!("flow.initial.uniform={stream}"),
+            format!("flow.boundary.far.far_field={stream}"),
+            format!(
+                "flow.reference={{density={density:e},speed={speed:e},pressure={:e},length={length:e}}}",
+                density * speed * speed / (1.4 * 0.01)
+            ),
+            "time={order=1,end=0,step=1}".into(),
+        ];
+        on_case(directory.path(), "run", "cylinder_steady", &set.each_ref().map(String::as_str), "run", &["--force"])
+            .expect(0, &[]);
+        let steady = &summary(&directory.path().join("run"))["steady"];
+        println!("length {length}, speed {speed}, density {density}: {steady}");
+        [number(steady, "newton"), number(steady, "krylov"), number(&steady["walls"]["wall"], "drag_coefficient")]
+    };
+    let [newton, krylov, drag] = steps(1.0, 1.0, 1.0);
+    for [length, speed, density] in [[1.0, 1e-3, 1.0], [1e-3, 340.0, 1.2], [1e3, 1.0, 1e-3]] {
+        let other = steps(length, speed, density);
+        assert_eq!(other[0], newton, "{other:?}");
+        assert!((other[1] - krylov).abs() <= 0.1 * krylov, "{other:?} {krylov}");
+        assert!((other[2] / drag - 1.0).abs() < 1e-6, "{other:?} {drag}");
+    }
+}
+
+/// What no boundary can change stays: the energy between adiabatic walls, the momentum without boundaries, and the mass also where a source
+/// adds momentum alone.
+#[test]
+fn a_steady_start_keeps_what_nothing_can_change() {
+    let case = |periodic: &str, boundary: &str, velocity: &str, source: &str| {
+        format!(
+            "mesh = {{ order = 2, generate.box = {{ lower = [0, 0], upper = [1, 1], cells = [3, 3], periodic = {periodic} }} }}
+             time = {{ order = 1, end = 0, step = 1 }}
+             solver.steady = {{ tolerance = 1e-11 }}
+             output = {{ fields = [], integrals = [\"momentum_x\"] }}
+             [flow]
+             order = 4
+             gas = {{ gamma = 1.4, gas_constant = 1, viscosity = {{ constant = 0.1 }} }}
+             reference = {{ density = 1, speed = 1, pressure = 1, length = 1 }}
+             {source}
+             [flow.initial.expression]
+             density = \"1 + 0.1*sin(2*pi*x)\"
+             velocity = [{velocity}, 0]
+             pressure = \"1 + 0.2*sin(2*pi*y)\"
+             {boundary}"
+        )
+    };
+    let directory = TempDir::new().unwrap();
+    let totals = |name: &str, case: &str| {
+        run(directory.path(), name, case).expect(0, &[]);
+        ["mass", "energy", "momentum_x"].map(|column| self::column(&directory.path().join(name), column)[0])
+    };
+    let walls = "[flow.boundary]\nothers.adiabatic_wall = {}";
+    let [mass, energy, _] = totals("adiabatic", &case("[]", walls, "0", ""));
+    assert!((mass - 1.0).abs() < 1e-9 && (energy - 2.5).abs() < 1e-9, "{mass} {energy}");
+    let stream = "\"0.3 + 0.1*sin(2*pi*y)\"";
+    let [mass, energy, momentum] = totals("periodic", &case("[\"x\", \"y\"]", "", stream, ""));
+    // int rho u^2 / 2, with int sin^2 = 1/2
+    let kinetic = 0.5 * (0.09 + 0.005);
+    assert!((mass - 1.0).abs() < 1e-9 && (momentum - 0.3).abs() < 1e-9, "{mass} {momentum}");
+    assert!((energy - 2.5 - kinetic).abs() < 1e-5, "{energy}");
+    let walls = "[flow.boundary]\nothers.isothermal_wall.temperature = 1";
+    let source = "source.given = { density = 0, momentum = [\"0.1*sin(2*pi*y)\", 0], energy = 0 }";
+    let [mass, ..] = totals("stirred", &case("[]", walls, "0", source));
+    assert!((mass - 1.0).abs() < 1e-9, "{mass}");
 }

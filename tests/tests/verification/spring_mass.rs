@@ -105,6 +105,9 @@ impl Body for SpringMass {
         let (position, rate, ledger) = (vec![stored[0]], vec![stored[1]], Ledger::default());
         BodyState { position, rate, kinetic_energy, potential_energy, ledger }
     }
+    fn way(&self, z: &[f64]) -> f64 {
+        MASS * z.iter().map(|w| w * w).sum::<f64>().sqrt()
+    }
     fn guess(&mut self, _: Option<(&[f64], f64)>, exchange: &mut Exchange, z: &mut [f64]) {
         z.fill(self.bottom[1]);
         self.move_nodes(self.bottom[0], z, &mut exchange.wall_displacement);

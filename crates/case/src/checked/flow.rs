@@ -56,7 +56,11 @@ impl<const D: usize> Flow<D> {
     }
     /// Whether no source adds mass.
     pub fn conserves_mass(&self) -> bool {
-        self.source.is_none() || self.law.source.is_force()
+        let adds_none = |source: &Source<D>| match source {
+            Source::Given(formulas) => formulas.first.as_constant() == Some(0.0),
+            Source::Manufactured | Source::Forcing(_) => self.law.source.is_force(),
+        };
+        self.source.as_ref().is_none_or(adds_none)
     }
     /// This flow in a split form, which stays alive where `mesh` does not resolve it. None if it has a split form, or `mesh` does not
     /// allow one.

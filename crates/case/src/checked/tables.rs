@@ -65,15 +65,20 @@ fn read(checker: &Checker<'_>, key: &Key, file: &Path, column: Option<&Column>) 
     let lines = text.lines().enumerate().map(|(index, line)| (index + 1, entries(line)));
     let mut lines = lines.filter(|(_, entries)| !entries.is_empty()).peekable();
     let mut head = || lines.next_if(|(_, entries)| entries.iter().all(|entry| number(entry).is_none()));
-    let names: Vec<String> =
-        head().map(|(_, names)| names.into_iter().map(str::to_owned).collect()).unwrap_or_default();
+    let (names_line, names): (usize, Vec<String>) =
+        head().map(|(line, names)| (line, names.into_iter().map(str::to_owned).collect())).unwrap_or_default();
     // A line of units may follow.
     while head().is_some() {}
+    let by_name = matches!(column, Some(Column::Name(_)));
     let column = column.map_or(Ok(1), |column| place(checker, &key.child("column"), column, &names))?;
     let (mut t, mut values) = (Vec::new(), Vec::new());
-    let mut first: Option<[usize; 2]> = None;
+    // Names that are more or fewer than the numbers below are not those of their columns. A separator may end their line.
+    let named = names.iter().rposition(|name| !name.is_empty()).map_or(0, |last| last + 1)..=names.len();
+    let fits = |count: usize| !by_name || named.contains(&count);
+    let mut first = None;
     for (line, entries) in lines {
-        let [first_line, expected] = *first.get_or_insert([line, entries.len()]);
+        let of_first = if fits(entries.len()) { [line, entries.len()] } else { [names_line, names.len()] };
+        let [first_line, expected] = *first.get_or_insert(of_first);
         if entries.len() != expected {
             let (found, entries) = (entries.join(", "), entries.len());
             return Err(refused(Cause::Ragged { path, line, found, entries, expected, first_line }));
@@ -120,11 +125,46 @@ fn without_unit(name: &str) -> &str {
 
 /// The entries of a line without its comment. They are separated by semicolons if there are any, otherwise by tabs, commas or blanks.
 fn entries(line: &str) -> Vec<&str> {
-    let line = line.split('#').next().unwrap_or_default().trim();
-    match [';', '\t', ','].into_iter().find(|separator| line.contains(*separator)) {
-        Some(separator) => line.split(separator).map(|entry| entry.trim().trim_matches('"')).collect(),
-        None => line.split_whitespace().collect(),
+    let quoted = quoted(line);
+    let comment = line.bytes().zip(&quoted).position(|(c, quoted)| c == b'#' && !quoted).unwrap_or(line.len());
+    let line = &line[..comment];
+    let separates = |c: char| line.bytes().zip(&quoted).any(|(byte, quoted)| byte == c as u8 && !quoted);
+    let (separator, parts) = match [';', '\t', ','].into_iter().find(|c| separates(*c)) {
+        Some(separator) => (Some(separator), split(line, &quoted, |c| c == separator)),
+        None => (None, split(line, &quoted, char::is_whitespace)),
+    };
+    let mut parts: Vec<&str> = parts.into_iter().map(|entry| entry.trim().trim_matches('"')).collect();
+    parts.retain(|entry| separator.is_some() || !entry.is_empty());
+    parts
+}
+
+/// Whether each byte of a line stands in quotation marks, which enclose an entry: they separate nothing. A mark inside of an entry, as of
+/// inches, is a character like others.
+fn quoted(line: &str) -> Vec<bool> {
+    let bytes = line.as_bytes();
+    let is_end = |i: usize| bytes.get(i).is_none_or(|c| b" \t,;#\r".contains(c));
+    let mut inside = false;
+    let mark = |i: usize| {
+        match (bytes[i], inside) {
+            (b'"', false) if i == 0 || is_end(i - 1) => inside = bytes[i + 1..].contains(&b'"'),
+            (b'"', true) if is_end(i + 1) => inside = false,
+            _ => {}
+        }
+        inside
+    };
+    (0..bytes.len()).map(mark).collect()
+}
+
+/// The parts of a line between separators outside of quotation marks.
+fn split<'a>(line: &'a str, quoted: &[bool], is_separator: impl Fn(char) -> bool) -> Vec<&'a str> {
+    let mut start = 0;
+    let mut parts = Vec::new();
+    for (i, c) in line.char_indices().filter(|(i, c)| is_separator(*c) && !quoted[*i]) {
+        parts.push(&line[start..i]);
+        start = i + c.len_utf8();
     }
+    parts.push(&line[start..]);
+    parts
 }
 
 /// The number of an entry. Where commas do not separate entries, one may stand for the decimal point.

@@ -46,6 +46,11 @@ fn a_table_may_be_a_file() {
     for (file, lines, expected) in [
         (header, "column = \"heav\"", ["unknown column `heav`", "did you mean `heave`"]),
         (header, "", ["the displacement at the start", "`[tables]`"]),
+        (
+            "t lift force heave\n0 5 0\n1 5 0\n",
+            "column = \"heave\"",
+            ["way.csv:2: 3 entries in `0, 5, 0`, but 4 in line 1", ""],
+        ),
         ("0, 0\n1, x\n", "", ["way.csv:2: no numbers in columns 1 and 2 of `1, x`", "separated by semicolons"]),
         ("0, 0\n\n1, 2, 3\n", "", ["way.csv:3: 3 entries in `1, 2, 3`, but 2 in line 1", "the same number"]),
         ("0, 0\n", "", ["1 points", "needs 2"]),
@@ -70,6 +75,10 @@ fn tables_of_spreadsheets_are_read() {
         ("t [s]; pitch [deg]; heave [m]\n0;5;0\n1;6;1\n2;7;3\n", "column = \"heave\""),
         ("t [s]; pitch [deg]; heave [m]\n0;5;0\n1;6;1\n2;7;3\n", "column = 3"),
         ("\"t\",\"pitch\",\"heave (m)\"\n0,5,0\n1,6,1\n2,7,3\n", "column = \"heave (m)\""),
+        ("t,\"lift, drag\",heave,pitch\n0,5,0,1\n1,5,1,1\n2,5,3,1\n", "column = \"heave\""),
+        ("\"t\" \"the pitch\" heave\n0 5 0\n1 5 1\n2 5 3\n", "column = \"heave\""),
+        ("t,\"run #3\",heave # of 5\n0,5,0\n1,5,1\n2,5,3\n", "column = \"heave\""),
+        ("t,width 12\",heave,\n0,5,0\n1,5,1\n2,5,3\n", "column = \"heave\""),
         ("t;pitch;heave/m\ns;deg;m\n0,0;5,5;0,0\n1,0;6,5;1,0\n2,0;7,5;3,0\n", "column = \"heave\""),
         ("t\tthe pitch\theave\n0,0\t5,5\t0\n1,0\t6,5\t1\n2,0\t7,5\t3,0\n", "column = \"heave\""),
         ("  0   5   0\n  1   6   1\n  2   7   3\n", "column = 3"),

@@ -16,7 +16,7 @@ mod slab;
 pub use interface::{Follower, Interface};
 
 use crate::block::{Block, Body, BodyState, Couplings, Exchange, Ledger, Quantity};
-use crate::blocks::SlabTimes;
+use crate::blocks::{SlabTimes, jump, last_digits};
 use crate::observation::Observation;
 use crate::slab_error::SlabError;
 use crate::state::{Interval, State};
@@ -272,6 +272,20 @@ impl<const D: usize> Body for ElasticBody<D> {
             potential_energy: self.data.structure.strain_energy(displacement),
             ledger: Ledger::read(&stored[displacement.len() + velocity.len()..]),
         }
+    }
+
+    fn way(&self, z: &[f64]) -> f64 {
+        let (spacing, length) = (self.data.structure.node_spacing(), self.data.structure.length());
+        let way = |(i, rate): (usize, &f64)| (self.step * rate / spacing[i % length / D]).powi(2);
+        (z.iter().enumerate().map(way).sum::<f64>() / z.len() as f64).sqrt()
+    }
+
+    fn jump(&self, z: &[f64]) -> f64 {
+        2.0 * self.data.structure.kinetic_energy(&jump(self.motion.time(), z, &self.slab.velocity))
+    }
+
+    fn last_digits(&self, z: &[f64]) -> Vec<f64> {
+        last_digits(z, &self.slab.displacement, self.slab.dt)
     }
 
     fn guess(&mut self, past: Option<(&[f64], f64)>, exchange: &mut Exchange, z: &mut [f64]) {

@@ -9,9 +9,12 @@ use elasticity::{ElasticSlab, ElasticityError};
 use fem::Clock;
 use newton_krylov::problem::Inadmissible;
 
-/// The mesh is settled when its positions have this error, relative to the node spacing. Increments then leave it alone, and products need
-/// not differentiate it.
+/// The mesh is settled when its positions have at most this error, relative to the node spacing, and at most the part [`NEGLIGIBLE`] of what
+/// the flow may leave. Increments then leave it alone, and products need not differentiate it.
 pub(crate) const SETTLED: f64 = 1e-11;
+
+/// See [`SETTLED`]: a linear solve cannot go below the residual of a settled mesh.
+const NEGLIGIBLE: f64 = 0.25;
 
 /// An increment must keep this part of the bound of det J / det J_0.
 const KEPT: f64 = 0.1;
@@ -39,6 +42,8 @@ pub struct MeshBlock<const D: usize> {
     pub(crate) follows_bodies: bool,
     /// Whether the increment that is being computed leaves the mesh alone.
     pub(crate) settled: bool,
+    /// The norm to which the residual of the flow must fall in this slab.
+    pub(crate) flow_tolerance: f64,
     inverse_pseudo_time: f64,
 }
 
@@ -60,6 +65,7 @@ impl<const D: usize> MeshBlock<D> {
             residual: None,
             follows_bodies: false,
             settled: false,
+            flow_tolerance: f64::INFINITY,
             inverse_pseudo_time: 0.0,
         }
     }
@@ -111,7 +117,7 @@ impl<const D: usize> MeshBlock<D> {
 
     /// Solves for the mesh alone if that solve is exact. All further directions then leave the mesh alone.
     pub(crate) fn solve_ahead(&mut self, norm: f64, right_side: &[f64], increment: &mut [f64]) {
-        self.settled = right_side.is_empty() || norm <= SETTLED;
+        self.settled = right_side.is_empty() || norm <= SETTLED.min(NEGLIGIBLE * self.flow_tolerance);
         if !self.settled && self.inverse_pseudo_time == 0.0 {
             self.settled = self.solve_increment(right_side, increment);
         }

@@ -13,3 +13,4 @@ pub use flow::{Counts, FlowBlock, totals};
 pub use mesh_motion::MeshBlock;
 pub use rigid_body::RigidBody;
 pub use slab_times::SlabTimes;
+pub(crate) use slab_times::{jump, last_digits};

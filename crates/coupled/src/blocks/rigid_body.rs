@@ -35,7 +35,7 @@ pub use geometry::{Surface, SurfaceNode};
 use loads::Loads;
 
 use crate::block::{Block, Body, BodyState, Couplings, Exchange, Ledger, Quantity};
-use crate::blocks::SlabTimes;
+use crate::blocks::{SlabTimes, jump, last_digits};
 use crate::slab_error::SlabError;
 use crate::state::{Interval, State, extend};
 use basis::{Matrix, RadauTime, TemporalModes};
@@ -301,6 +301,20 @@ impl<const D: usize> Body for RigidBody<D> {
             rate: rate.to_vec(),
             ledger: Ledger::read(ledger),
         }
+    }
+
+    fn way(&self, z: &[f64]) -> f64 {
+        let length = |number: usize| self.surface.length(&self.data.coordinates[number % self.count()]);
+        let ways = z.iter().enumerate().map(|(number, rate)| (self.step * rate / length(number)).powi(2));
+        (ways.sum::<f64>() / z.len() as f64).sqrt()
+    }
+
+    fn jump(&self, z: &[f64]) -> f64 {
+        2.0 * self.kinetic_energy(&self.slab.position, &jump(self.time(), z, &self.slab.rate))
+    }
+
+    fn last_digits(&self, z: &[f64]) -> Vec<f64> {
+        last_digits(z, &self.slab.position, self.slab.dt)
     }
 
     fn guess(&mut self, past: Option<(&[f64], f64)>, exchange: &mut Exchange, z: &mut [f64]) {

@@ -25,3 +25,19 @@ impl SlabTimes {
 pub(super) fn at_each_point<T>(loads: &[T], points: usize) -> impl Iterator<Item = &[T]> {
     loads.chunks_exact((loads.len() / points).max(1))
 }
+
+/// Changes of the rates `z`, `[time node][k]`, that act like a last digit of the rates and of the positions `bottom` in a slab of the length
+/// `dt`.
+pub(crate) fn last_digits(z: &[f64], bottom: &[f64], dt: f64) -> Vec<f64> {
+    let digit = |(i, rate): (usize, &f64)| f64::EPSILON * (rate.abs() + bottom[i % bottom.len()].abs() / dt);
+    z.iter().enumerate().map(digit).collect()
+}
+
+/// z(t_n+) - w_n of the rates `z`, `[time node][k]`, over the rates `bottom`.
+pub(crate) fn jump(time: &RadauTime, z: &[f64], bottom: &[f64]) -> Vec<f64> {
+    let mut jump: Vec<f64> = bottom.iter().map(|rate| -rate).collect();
+    for (phi, z) in time.values(0.0).into_iter().zip(z.chunks_exact(bottom.len())) {
+        jump.iter_mut().zip(z).for_each(|(jump, rate)| *jump += phi * rate);
+    }
+    jump
+}

@@ -212,11 +212,12 @@ impl<T: Stored> Elimination<'_, T> {
         let [back, there] = [back, there].map(|matrix| MatRef::from_column_major_slice(matrix, t, t));
         let inner = MatRef::from_row_major_slice(inner, t, t);
         let (mut half, mut product) = (vec![0.0; t * t], vec![0.0; t * t]);
-        let scale = (self.dt * self.dt) as f32;
+        // One dt after the other: the square of that of a steady flow would leave the range of the numbers.
+        let dt = self.dt as f32;
         let mut half = MatMut::from_column_major_slice_mut(&mut half, t, t);
-        matmul(half.as_mut(), Accum::Replace, back, inner, scale, Par::Seq);
+        matmul(half.as_mut(), Accum::Replace, back, inner, dt, Par::Seq);
         let target = MatMut::from_column_major_slice_mut(&mut product, t, t);
-        matmul(target, Accum::Replace, half.as_ref(), there, 1.0, Par::Seq);
+        matmul(target, Accum::Replace, half.as_ref(), there, dt, Par::Seq);
         product
     }
 }

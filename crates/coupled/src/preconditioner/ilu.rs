@@ -15,6 +15,7 @@ use super::{FactoredModes, FlowPreconditioner, TimeScales};
 use basis::TemporalModes;
 use faer::c64;
 use fem::{Layout, PerThread, Share, SlabOperator, SpaceJacobian, Stored};
+use navier_stokes::Conserved;
 use newton_krylov::operator::Preconditioner;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex};
@@ -69,10 +70,11 @@ impl<T: Stored> BlockIlu<T> {
             (operator.layout, operator.share.clone(), TemporalModes::new(&operator.tables.time));
         let known = ordering.filter(|ordering| ordering.own().count() == layout.cells);
         // Its Jacobian is dropped before the one of type T is made.
+        let scales = dynamic_scales::<D, M>(operator.problem.kernels.scales());
         let ordering = known.unwrap_or_else(|| {
             let jacobian = operator.space_jacobian(0.5);
             let links = links(&jacobian, layout.cells, share.ghosts.len());
-            minimum_discarded_fill(&jacobian, &links, &share, dt, modes.mean_shift())
+            minimum_discarded_fill(&jacobian, &links, &share, &scales, (dt, modes.mean_shift()))
         });
         let jacobian = operator.space_jacobian(0.5);
         let links = links(&jacobian, layout.cells, share.ghosts.len());
@@ -221,6 +223,13 @@ impl<T: Stored> BlockIlu<T> {
             }
         });
     }
+}
+
+/// The scales of a state with the energy in units of momentum^2 / density. The order of elimination takes these: in units of the thermal energy,
+/// flows at low Mach numbers would need more iterations.
+fn dynamic_scales<const D: usize, const M: usize>(scales: [f64; M]) -> [f64; M] {
+    let scales = Conserved::<f64, D>::unpack(&scales);
+    Conserved { energy: scales.momentum[0].powi(2) / scales.density, ..scales }.pack()
 }
 
 impl<T: Stored> Preconditioner for BlockIlu<T> {

@@ -113,7 +113,7 @@ impl Ordering {
     }
 }
 
-/// The order for lambda M + dt A with one real lambda. A collective call.
+/// The order for lambda M + dt A with one real lambda, where the components of the state have these `scales`. A collective call.
 ///
 /// The Jacobian is in double precision: where the flow is uniform, many fills are equal up to rounding, and an order that follows the rounding of
 /// single precision is a bad one.
@@ -121,12 +121,14 @@ pub fn minimum_discarded_fill(
     jacobian: &SpaceJacobian<f64>,
     links: &[Vec<Link>],
     share: &Share,
-    dt: f64,
-    lambda: f64,
+    scales: &[f64],
+    (dt, lambda): (f64, f64),
 ) -> Ordering {
     let links = &links[..share.own.len()];
-    let strengths: Vec<Vec<f64>> =
-        (0..links.len()).into_par_iter().map(|cell| strengths(jacobian, &links[cell], cell, dt, lambda)).collect();
+    let strengths: Vec<Vec<f64>> = (0..links.len())
+        .into_par_iter()
+        .map(|cell| strengths(jacobian, &links[cell], cell, scales, (dt, lambda)))
+        .collect();
     let graph = Graph::of_all(links, &strengths, share);
     let order = eliminate(&graph);
     let stages = stages(&graph, &order, share.blocks.groups);
@@ -152,8 +154,15 @@ fn in_block(links: &[Link], cell: usize, share: &Share) -> Vec<Link> {
     links.iter().filter(|link| of_cell[link.cell] == of_cell[cell]).copied().collect()
 }
 
-/// |A_ii^{-1} A_ik| in the Frobenius norm for every link of cell i, up to the norm of a trace.
-fn strengths(jacobian: &SpaceJacobian<f64>, links: &[Link], cell: usize, dt: f64, lambda: f64) -> Vec<f64> {
+/// |A_ii^{-1} A_ik| in the Frobenius norm for every link of cell i, up to the norm of a trace. Components count in units of their `scales`: the
+/// order is the same in all units.
+fn strengths(
+    jacobian: &SpaceJacobian<f64>,
+    links: &[Link],
+    cell: usize,
+    scales: &[f64],
+    (dt, lambda): (f64, f64),
+) -> Vec<f64> {
     // Allocated first. After the large matrices it would lie in the space that they leave, and split it for the next cell.
     let mut strengths = Vec::with_capacity(links.len());
     let factors = diagonal_block(jacobian, cell, dt, lambda).partial_piv_lu();
@@ -172,7 +181,10 @@ fn strengths(jacobian: &SpaceJacobian<f64>, links: &[Link], cell: usize, dt: f64
         }
         let lifted = faer::MatRef::from_column_major_slice(&lifted, n, t);
         matmul(product.as_mut(), Accum::Replace, inverse.as_ref(), lifted, 1.0, Par::Seq);
-        product.norm_l2()
+        let scale = |offset: usize| scales[offset / jacobian.traces.nodes];
+        let of_trace = |j: usize| scale(jacobian.traces.functional(link.other_face, j).0);
+        let of_column = |j: usize| product.col(j).iter().enumerate().map(|(i, x)| (x / scale(i)).powi(2)).sum::<f64>();
+        (0..t).map(|j| of_trace(j).powi(2) * of_column(j)).sum::<f64>().sqrt()
     };
     strengths.extend(links.iter().map(norm));
     strengths

@@ -18,6 +18,9 @@ use newton_krylov::inner_product::largest;
 /// The longest slab, in units of the first one. The change from slab to slab then falls by about this factor.
 const LONGEST: f64 = 1e5;
 
+/// The least length of a slab that shows an equilibrium, in the same units. Heavy bodies hardly move in a short one.
+const TELLING: f64 = 1e3;
+
 /// The shortest slab, in the same units.
 const SHORTEST: f64 = 1e-3;
 
@@ -100,7 +103,7 @@ pub fn find_equilibrium<const D: usize, const M: usize>(
         largest_jump = largest_jump.max(report.jump);
         (flow, bodies) = (report.jump / largest_jump, way(&before, &march.state.bodies, SMALL * length));
         tracing::info!(slabs, length = step, flow, bodies, "equilibrium");
-        if flow <= tolerance && bodies <= tolerance {
+        if flow <= tolerance && bodies <= tolerance && step >= TELLING * first {
             return Ok(Equilibrium { report: at_rest(start, report, &mut march.state), slabs, steps, iterations });
         }
     }

@@ -11,7 +11,6 @@
 use super::residual_norms;
 use super::search::{Discretisation, Search};
 use super::settling::{PER_TIME_UNIT, duration, mean, rates_of_change};
-use crate::transfer::transfer_flow;
 use fem::Layout;
 use navier_stokes::Conserved;
 use newton_krylov::inner_product::smallest;
@@ -84,9 +83,9 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
 
     fn next_order_residual(&self, u: &[f64]) -> Option<f64> {
         let next = Discretisation { order: self.order + 1, ..self.own() };
-        let u = transfer_flow(u, self.mover, self.displacement, M, self.order, next.order);
+        let u = self.transferred(u, self.order, next.order);
         let (mut problem, _) = (self.discretise)(next);
-        problem.at_rest(self.time, &u, self.displacement).ok()?;
+        problem.at_rest(self.times(), &u, self.displacement).ok()?;
         let residual = residual_norms(&mut problem, &u).ok()?[0];
         if problem.round_off(&u).is_some_and(|rounding| residual <= rounding[0]) {
             // A uniform flow, for instance, has no terms to compare with.
@@ -101,8 +100,8 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
 
     fn stability(&self, u: &[f64], units: f64) -> Stability {
         let mut disturbed = u.to_vec();
-        let (cells, nodes) = (self.mover.reference.n_cells(), self.order.pow(D as u32));
-        disturb(Layout { cells, time_order: 1, components: M, nodes }, &mut disturbed);
+        let (own, nodes) = (&self.share.own, self.order.pow(D as u32));
+        disturb(own, Layout { cells: own.len(), time_order: 1, components: M, nodes }, &mut disturbed);
         let slabs = (units * PER_TIME_UNIT).ceil().max(8.0) as usize;
         let rates = rates_of_change(self, &mut disturbed, slabs);
         Stability::new(&rates, slabs, duration(self, rates.len()))
@@ -116,14 +115,14 @@ fn momentum<const D: usize, const M: usize>(layout: Layout, u: &[f64]) -> Vec<f6
     u.iter().enumerate().map(|(i, u)| if is_kept(i) { *u } else { 0.0 }).collect()
 }
 
-/// Scales the deviation from the mean of every component in every cell, by a factor that alternates without a pattern.
-fn disturb(layout: Layout, u: &mut [f64]) {
+/// Scales the deviation from the mean of every component in every cell of `own`, by a factor that alternates without a pattern.
+fn disturb(own: &[usize], layout: Layout, u: &mut [f64]) {
     for (cell, a) in layout.cells_and_times() {
         for m in 0..layout.components {
             let values = &mut u[layout.component_at(cell, a, m)];
             let mean = values.iter().sum::<f64>() / values.len() as f64;
             // The golden ratio spreads its multiples evenly.
-            let multiple = (cell * layout.components + m) as f64 * 0.618_033_988_749_894_9;
+            let multiple = (own[cell] * layout.components + m) as f64 * 0.618_033_988_749_894_9;
             let factor = DISTURBANCE * (2.0 * multiple.fract() - 1.0);
             values.iter_mut().for_each(|value| *value += factor * (*value - mean));
         }

@@ -5,6 +5,7 @@
 //! 3. If that has failed: some slabs of the march in time from the best state, on data of one time. Where their residual falls,
 //!    pseudo-time is tried again from there. Where it does not, the flow is unsteady.
 
+use super::invariants::Invariants;
 use super::reliability::Reliability;
 use super::settling::{Settling, settle};
 use super::solve_steady;
@@ -13,6 +14,7 @@ use crate::mesh_mover::MeshMover;
 use crate::slab_error::SlabError;
 use crate::system::System;
 use crate::transfer::transfer_flow;
+use fem::Share;
 use newton_krylov::newton::{self, Stall};
 use newton_krylov::{line_search, pseudo_time};
 
@@ -23,7 +25,7 @@ const ROUGHLY: f64 = 1e-4;
 const AT_ONCE: Stall = Stall { steps: 5, factor: 0.9 };
 
 /// When a later one does: waves that leave the domain may raise the residual for some steps.
-const PATIENT: Stall = Stall { steps: 25, factor: 0.9 };
+pub(super) const PATIENT: Stall = Stall { steps: 25, factor: 0.9 };
 
 /// How the equations are discretised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,7 +54,7 @@ pub struct Stage {
 /// A discretisation of the case, on the mesh at rest, and the initial state there.
 pub type Discretised<const D: usize, const M: usize> = (System<D, M>, Vec<f64>);
 
-/// The search for a steady flow.
+/// The search for a steady flow. Several ranks search together, each for the flow of its own cells.
 pub struct Search<'a, const D: usize, const M: usize> {
     /// Makes the problem of a discretisation.
     pub discretise: &'a (dyn Fn(Discretisation) -> Discretised<D, M> + Sync),
@@ -60,6 +62,8 @@ pub struct Search<'a, const D: usize, const M: usize> {
     pub order: usize,
     /// The mesh.
     pub mover: &'a MeshMover<D>,
+    /// The cells of this rank.
+    pub share: &'a Share,
     /// Its displacement.
     pub displacement: &'a [f64],
     /// The time of all data.
@@ -70,15 +74,11 @@ pub struct Search<'a, const D: usize, const M: usize> {
     pub settings: newton::Settings,
     /// Whether other discretisations may be tried.
     pub sequence: bool,
-    /// Whether no gas can enter or leave. Then the steady flow has the mass of the initial state.
-    pub closed: bool,
+    /// The totals that the steady flow has from the initial state.
+    pub invariants: Invariants,
     /// The time units for which the steady flow is marched in time, to see whether it is stable. `None`: the flow decides.
     pub stability_time: Option<f64>,
 }
-
-/// How often the mass of a closed domain is corrected, and the relative error of mass that ends this.
-const MASS_CORRECTIONS: usize = 8;
-const SAME_MASS: f64 = 1e-13;
 
 /// A steady flow.
 #[derive(Debug)]
@@ -128,7 +128,7 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
             *u = start;
             solved = self.climb(u, &mut stages);
         }
-        let solved = solved.and_then(|report| self.with_initial_mass(report, u, &mut stages));
+        let solved = solved.and_then(|report| self.with_initial_totals(report, u, &mut stages));
         let source = match solved {
             Ok(report) => return Ok(SteadyFlow { report, stages, reliability: self.reliability(u) }),
             Err(source) => source,
@@ -137,37 +137,12 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
         let settling = if is_stuck(&source) { settle(self, &mut marched) } else { None };
         if settling.as_ref().is_some_and(Settling::calms_down)
             && let Ok(report) = self.solve(own, &mut marched, self.with(PATIENT), &mut stages)
-            && let Ok(report) = self.with_initial_mass(report, &mut marched, &mut stages)
+            && let Ok(report) = self.with_initial_totals(report, &mut marched, &mut stages)
         {
             *u = marched;
             return Ok(SteadyFlow { report, stages, reliability: self.reliability(u) });
         }
         Err(SteadyError { settling, stages, source })
-    }
-
-    /// Replaces the steady flow `u` by that with the mass of the initial state: (steady) does not determine the mass of a closed domain.
-    /// All components are scaled, which keeps temperatures and velocities, so few steps follow.
-    fn with_initial_mass(
-        &self,
-        mut report: SlabReport<M>,
-        u: &mut [f64],
-        stages: &mut Vec<Stage>,
-    ) -> Result<SlabReport<M>, SlabError> {
-        if !self.closed {
-            return Ok(report);
-        }
-        let (mut problem, initial) = (self.discretise)(self.own());
-        problem.at_rest(self.time, &initial, self.displacement)?;
-        let mass = problem.flow.totals(&initial)[0];
-        for _ in 0..MASS_CORRECTIONS {
-            let factor = mass / report.totals[0];
-            if (factor - 1.0).abs() <= SAME_MASS {
-                break;
-            }
-            u.iter_mut().for_each(|u| *u *= factor);
-            report = self.solve(self.own(), u, self.with(PATIENT), stages)?;
-        }
-        Ok(report)
     }
 
     /// From order 2 upwards.
@@ -194,7 +169,7 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
     }
 
     /// The settings with a watch for stalls. Steps that the line search would shorten much are damped instead.
-    fn with(&self, stall: Stall) -> newton::Settings {
+    pub(super) fn with(&self, stall: Stall) -> newton::Settings {
         newton::Settings {
             stall: Some(stall),
             line_search: line_search::Settings { max_trials: 4, ..self.settings.line_search },
@@ -205,11 +180,21 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
 
     fn carry(&self, u: &mut Vec<f64>, from: usize, to: usize) {
         if from != to {
-            *u = transfer_flow(u, self.mover, self.displacement, M, from, to);
+            *u = self.transferred(u, from, to);
         }
     }
 
-    fn solve(
+    /// The time of all data, and the time unit.
+    pub(super) fn times(&self) -> (f64, f64) {
+        (self.time, self.time_unit)
+    }
+
+    /// `u` of the order `from` as a flow of the order `to`.
+    pub(super) fn transferred(&self, u: &[f64], from: usize, to: usize) -> Vec<f64> {
+        transfer_flow((&self.share.own, u), (self.mover, self.displacement), from, to)
+    }
+
+    pub(super) fn solve(
         &self,
         discretisation: Discretisation,
         u: &mut [f64],
@@ -217,11 +202,11 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
         stages: &mut Vec<Stage>,
     ) -> Result<SlabReport<M>, SlabError> {
         let (mut problem, initial) = (self.discretise)(discretisation);
-        let mut solved = solve_steady(&mut problem, u, self.displacement, &initial, self.time, &settings);
+        let mut solved = solve_steady(&mut problem, u, self.displacement, &initial, self.times(), &settings);
         if let Err(SlabError::Guess(_)) = solved {
             // The flow that was carried over is not admissible at this order.
             u.copy_from_slice(&initial);
-            solved = solve_steady(&mut problem, u, self.displacement, &initial, self.time, &settings);
+            solved = solve_steady(&mut problem, u, self.displacement, &initial, self.times(), &settings);
         }
         let report = match &solved {
             Ok(report) => Some(&report.newton),

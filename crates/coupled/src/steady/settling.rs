@@ -78,8 +78,8 @@ fn rate_of_change<const D: usize, const M: usize>(
     steady: &mut System<D, M>,
     u: &[f64],
 ) -> Result<f64, SlabError> {
-    steady.at_rest(search.time, u, search.displacement)?;
-    Ok(residual_norms(steady, u)?[0] / super::LONG)
+    steady.at_rest(search.times(), u, search.displacement)?;
+    Ok(residual_norms(steady, u)?[0] / (super::LONG * search.time_unit))
 }
 
 /// The mean of the logarithm, as a rate.

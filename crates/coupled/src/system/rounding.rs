@@ -5,33 +5,49 @@
 //! ```
 //!
 //! Rounding inside the fluxes acts like a random change of every entry of the state in its last digit. One product along such a change
-//! estimates the residual of a converged flow. The digits are the same in every run. Thin cells, long slabs and low Mach numbers enlarge
+//! estimates the residual of a converged flow. Of bodies the last digits of positions change, too: stiff springs feel them, and light bodies feel the
+//! rounding of loads. The digits are the same in every run. Thin cells, long slabs and low Mach numbers enlarge
 //! the estimate as they enlarge the derivatives.
 
 use super::System;
+use newton_krylov::problem::NonlinearProblem;
 
 /// The factor between the estimate and one random change of the last digit: a residual adds up many roundings per entry.
 const SAFETY: f64 = 4.0;
 
 impl<const D: usize, const M: usize> System<D, M> {
-    /// (rounding) of each field at `z`, which becomes the point of linearisation. It is zero for the mesh: its equations are well scaled,
-    /// and the round-off that the Newton driver allows suffices.
+    /// (rounding) of each field at `z`, which becomes the point of linearisation. It is zero for the mesh where no body moves it: its equations
+    /// are well scaled, and the round-off that the Newton driver allows suffices.
     pub(super) fn rounding(&mut self, z: &[f64]) -> Vec<f64> {
         let _timed = tracing::trace_span!(target: "cost", "product").entered();
         self.set_point(z);
-        let range = self.flow_range();
-        let (share, cell_len) = (&self.flow.operator.share, self.flow.operator.layout.cell_len());
-        let in_whole = |i: usize| (share.own[i / cell_len] * cell_len + i % cell_len) as u64;
-        let change: Vec<f64> =
-            z[range.clone()].iter().enumerate().map(|(i, u)| SAFETY * f64::EPSILON * u * noise(in_whole(i))).collect();
-        let mut effect = vec![0.0; z.len()];
-        self.flow.counts.products += 1;
-        self.flow.operator.product(&change, &mut effect[range]);
+        let (change, mut effect) = (self.last_digits(z), vec![0.0; z.len()]);
+        self.jacobian_product(&change, &mut effect);
         let norms = self.field_norms(&effect);
-        // The flow is the last field; the other parts of `effect` are zero.
+        // The flow is the last field.
         let residual_flow = norms.last().copied();
         tracing::debug!(residual_flow, "round-off of the residual, estimated");
         norms
+    }
+
+    /// e of (rounding).
+    fn last_digits(&self, z: &[f64]) -> Vec<f64> {
+        let mut change = vec![0.0; z.len()];
+        for (number, body) in self.bodies.iter().enumerate() {
+            let range = self.body_range(number);
+            let digits = body.last_digits(&z[range.clone()]);
+            (0..)
+                .zip(digits)
+                .zip(&mut change[range])
+                .for_each(|((i, digit), change)| *change = SAFETY * digit * noise(i));
+        }
+        let range = self.flow_range();
+        let (share, cell_len) = (&self.flow.operator.share, self.flow.operator.layout.cell_len());
+        for (i, (u, change)) in z[range.clone()].iter().zip(&mut change[range]).enumerate() {
+            let in_whole = (share.own[i / cell_len] * cell_len + i % cell_len) as u64;
+            *change = SAFETY * f64::EPSILON * u * noise(in_whole);
+        }
+        change
     }
 }
 

@@ -54,7 +54,9 @@ def boundary_layer(result, wall, thickness, number=-1):
     nodes, weights = np.polynomial.legendre.leggauss(POINTS)
     n, weights = 0.5 * thickness * (1 + nodes), 0.5 * thickness * weights
     line = x[:, None, :] + n[None, :, None] * normal[:, None, :]
-    density, u = _along_edge(result, step, line, normal)
+    # Linear from the first two nodes to the wall.
+    to_wall = np.array([n[1], -n[0]]) / (n[1] - n[0]) * _slides(result, surface)[:, None]
+    density, u = _along_edge(result, step, line, normal, to_wall)
     return _integrals(density, u, n, weights)
 
 
@@ -66,7 +68,13 @@ def _step_of(result, time):
     return step
 
 
-def _along_edge(result, step, line, normal):
+def _slides(result, surface):
+    """Where gas sticks to a wall that slides along itself: there the gas at the wall has the velocity of the wall."""
+    friction = sum(np.abs(values) for name, values in surface.items() if name.startswith("skin_friction"))
+    return (friction > 0) & ("slide" in result.case_text)
+
+
+def _along_edge(result, step, line, normal, to_wall):
     """The density, and the velocity along the wall in the direction of the edge: [point][node of the line]."""
     shape = line.shape[:-1]
     state = result.evaluate(line.reshape(-1, result.dimension), step).reshape(*shape, -1)
@@ -74,6 +82,7 @@ def _along_edge(result, step, line, normal):
     if "mesh_velocity" in result.arrays:
         # At the wall the mesh moves with it.
         velocity = velocity - result.evaluate(line[:, 0], step, name="mesh_velocity")[:, None, :]
+    velocity = velocity - (to_wall[:, :, None] * velocity[:, :2]).sum(axis=1, keepdims=True)
     along = velocity - (velocity * normal[:, None, :]).sum(axis=-1, keepdims=True) * normal[:, None, :]
     edge = np.argmax(np.nan_to_num(np.linalg.norm(along, axis=-1)), axis=1)
     direction = along[np.arange(len(edge)), edge]
@@ -95,6 +104,15 @@ def _integrals(density, u, n, weights):
         "momentum_thickness": momentum,
         "energy_thickness": integral(flux * (1 - ratio**2)),
         "shape_factor": displacement / momentum,
-        "thickness": np.where(lost, np.nan, n[np.argmax(ratio >= 0.99, axis=1)]),
+        "thickness": np.where(lost, np.nan, _first_crossing(n, ratio, 0.99)),
         "edge_velocity": np.where(lost, np.nan, u_e[:, 0]),
     }
+
+
+def _first_crossing(n, ratio, level):
+    """The least distance with `ratio` at `level`, linear between the nodes."""
+    after = np.argmax(ratio >= level, axis=1)
+    before, rows = np.maximum(after - 1, 0), np.arange(len(ratio))
+    rise = ratio[rows, after] - ratio[rows, before]
+    part = np.where(rise > 0, (level - ratio[rows, before]) / np.where(rise > 0, rise, 1.0), 1.0)
+    return n[before] + part * (n[after] - n[before])

@@ -11,6 +11,10 @@ pub enum Order {
     Build,
     /// Take their part of a state, which follows.
     Restore,
+    /// Search the steady flow.
+    SearchSteadyFlow,
+    /// Let bodies go from it until all are in equilibrium.
+    ReleaseBodies,
     /// Solve a slab.
     Advance,
     /// Send what the preconditioner is made of.
@@ -19,7 +23,15 @@ pub enum Order {
     Finish,
 }
 
-const ORDERS: [Order; 5] = [Order::Build, Order::Restore, Order::Advance, Order::Store, Order::Finish];
+const ORDERS: [Order; 7] = [
+    Order::Build,
+    Order::Restore,
+    Order::SearchSteadyFlow,
+    Order::ReleaseBodies,
+    Order::Advance,
+    Order::Store,
+    Order::Finish,
+];
 
 /// Sends the orders of rank 0. When it is dropped, it orders the others to finish.
 pub struct Orders(Arc<dyn Communicator>);

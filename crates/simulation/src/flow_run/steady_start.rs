@@ -1,26 +1,14 @@
 //! The start of a run from the steady flow, with bodies held or in equilibrium.
 
 use super::FlowRun;
-use crate::build;
 use crate::context::RunContext;
-use crate::crew::{Crew, while_others_wait};
-use crate::drive::Run;
 use crate::history;
+use crate::steady_search;
 use crate::walls::wall_loads;
-use case::{BoundaryData, Case, Flow, State, Steady, SteadyBodies, Time};
-use coupled::{
-    Discretisation, Equilibrium, NoEquilibrium, Reliability, Search, SlabReport, Stability, Stage, SteadyFlow,
-    find_equilibrium,
-};
+use case::{State, Steady, SteadyBodies};
+use coupled::{Discretisation, Equilibrium, Reliability, SlabReport, Stability, Stage, SteadyFlow};
 use fem::StateField;
-use navier_stokes::{Boundary, Compiled, Exact, ExactState, Manufactured, NavierStokes};
-use newton_krylov::newton;
-
-/// The length of the first slab of the search for an equilibrium, in time units of the flow.
-const FIRST_SLAB: f64 = 0.1;
-
-/// The change from slab to slab falls at least by this factor as slabs grow, so slabs need not be solved better.
-const SLAB_TOLERANCE: f64 = 1e-3;
+use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 
 impl<const D: usize, const M: usize> FlowRun<'_, D, M>
 where
@@ -35,25 +23,11 @@ where
         steady: &Steady,
         context: &mut RunContext,
     ) -> anyhow::Result<Vec<f64>> {
-        let (case, flow): (_, &Flow<D>) = (self.case, &self.flow.clone());
-        let ranks = self.crew.as_ref().map_or(1, Crew::ranks);
-        let state = self.crew.as_mut().map_or(&mut self.march.state, |crew| {
-            crew.in_step = false;
-            &mut crew.state
-        });
-        let search = Search {
-            discretise: &|discretisation| build::steady::<D, M>(case, flow, &state.d, discretisation),
-            order: flow.order,
-            mover: &self.march.solver.system.mesh.mover,
-            displacement: &state.d,
-            time: case.time.start,
-            time_unit: flow.reference_length / flow.reference_speed,
-            settings: steady.newton(),
-            sequence: steady.sequence,
-            closed: is_closed(flow),
-            stability_time: steady.stability_time,
+        let (case, flow, march) = (self.case, &*self.flow, &mut self.march);
+        let found = match &mut self.crew {
+            None => steady_search::search(case, flow, steady, march),
+            Some(crew) => crew.search_steady_flow(case, flow, steady, march),
         };
-        let found = while_others_wait(ranks, || search.find(&mut state.u));
         let stages = found.as_ref().map_or_else(|error| &error.stages, |flow| &flow.stages);
         stages.iter().for_each(|stage| context.observer.say(&told(stage)));
         let mut found = found?;
@@ -81,14 +55,11 @@ where
         context: &RunContext,
         found: &mut SteadyFlow<M>,
     ) -> anyhow::Result<()> {
-        let (case, flow): (_, &Flow<D>) = (self.case, &self.flow.clone());
-        let step = FIRST_SLAB * flow.reference_length / flow.reference_speed;
-        let time = Time { order: 1, step, control: None, ..case.time };
-        let mut march = build::march::<D, M>(&Case { time, ..case.clone() }, flow)?;
-        march.solver.newton = newton::Settings { relative_tolerance: SLAB_TOLERANCE, ..case.solver.newton() };
-        march.state.u.clone_from(&self.state().u);
-        let Equilibrium { report, slabs, steps, iterations } =
-            find_equilibrium(&mut march, steady.tolerance, flow.reference_length).map_err(with_cause)?;
+        let (case, flow, march) = (self.case, &*self.flow, &mut self.march);
+        let Equilibrium { report, slabs, steps, iterations } = match &mut self.crew {
+            None => steady_search::release_bodies(case, flow, steady, march)?,
+            Some(crew) => crew.release_bodies(case, flow, steady, march)?,
+        };
         context
             .observer
             .say(&format!("equilibrium of flow and bodies: {slabs} slabs  newton {steps}  krylov {iterations}"));
@@ -97,32 +68,8 @@ where
         // Newton's residual is that of the steady flow: the one of the last slab is relative to a slab that hardly changes anything.
         let (newton, residual_norms) = (std::mem::take(&mut found.report.newton), found.report.residual_norms);
         found.report = SlabReport { newton, residual_norms, ..report };
-        let coupled::State { u, d, bodies, .. } = march.state;
-        let operator =
-            self.crew.as_mut().map_or(&mut self.march.solver.system.flow.operator, |crew| &mut crew.operator);
-        operator.set_displacement(&d);
-        // A crew takes its parts with the first slab. Before it, bodies are told from this march.
-        self.march.state.bodies.clone_from(&bodies);
-        let state = self.crew.as_mut().map_or(&mut self.march.state, |crew| &mut crew.state);
-        (state.u, state.d, state.bodies) = (u, d, bodies);
         Ok(())
     }
-}
-
-/// The slab that could not be solved is the cause that the examination of a failure looks for.
-fn with_cause(error: NoEquilibrium) -> anyhow::Error {
-    let words = error.to_string();
-    match error {
-        NoEquilibrium::Slab { source, .. } => anyhow::Error::new(source).context(words),
-        NoEquilibrium::Moves { .. } => anyhow::Error::new(error),
-    }
-}
-
-/// Whether no gas can enter or leave: all boundaries are walls, and nothing adds mass.
-fn is_closed<const D: usize>(flow: &Flow<D>) -> bool {
-    let lets_pass =
-        |data: &BoundaryData<D>| !data.condition.is_wall() && !matches!(data.condition, Boundary::Symmetry(_));
-    flow.conserves_mass() && !flow.boundary.iter().any(lets_pass)
 }
 
 /// The warning about a steady flow, with the remedy.

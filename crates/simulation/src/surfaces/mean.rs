@@ -1,9 +1,10 @@
 //! Means over time of the distribution along a wall, and where the mean flow separates from it.
 //!
 //! ```text
-//! <q>(s) = sum_k sum_j area_j q_j(t_k) / sum_k sum_j area_j,    over the rows j with the same s and the times t_k of the averages      (mean)
+//! <q>(s) = sum_k w_k sum_j area_j q_j(t_k) / sum_k w_k sum_j area_j,    over the rows j with the same s                                (mean)
+//! w_k = int h_k dt,    h_k the piecewise linear function that is 1 at t_k and 0 at the other times, over the interval of the averages
 //! c_s = c_f . t,    t along increasing s, with the gas on the right                                                (skin friction)
-//! error = 2.36 sd(<q>_1, ..., <q>_8) / 8^1/2,    <q>_b the means over eight parts of the times                                        (error)
+//! error = 2.36 sd(<q>_1, ..., <q>_8) / 8^1/2,    <q>_b the means over eight parts of the interval                                     (error)
 //! ```
 //!
 //! A wall that is a curve extruded along z has many rows with the same s: the mean is also one over the span. The flow separates where
@@ -15,7 +16,6 @@ use super::columns::{Column, columns};
 use output::{OutputError, Series, write_atomically};
 use std::array::from_fn;
 use std::fmt::Write;
-use std::ops::Range;
 use std::path::Path;
 
 /// Rows of one time are the same point of the cross-section if their s differ by less.
@@ -58,14 +58,15 @@ struct Zero {
 /// A file that cannot be written.
 pub fn write_means(directory: &Path, dimension: usize, series: &Series, interval: [f64; 2]) -> Result<(), OutputError> {
     let width = columns(dimension).iter().map(|column| column.components).sum();
-    let is_inside = |time: &f64| interval[0] <= *time && *time <= interval[1];
-    let snapshots = series.times.iter().zip(series.values.chunks_exact(series.array.len()));
-    let wanted: Vec<&[f64]> = snapshots.filter(|(time, _)| is_inside(time)).map(|(_, values)| values).collect();
-    let Some(groups) = wanted.first().and_then(|values| groups(dimension, values, width)) else { return Ok(()) };
-    let snapshots = Snapshots::new(dimension, &wanted);
+    let values: Vec<&[f64]> = series.values.chunks_exact(series.array.len()).collect();
+    if !series.times.iter().any(|time| (interval[0]..=interval[1]).contains(time)) {
+        return Ok(());
+    }
+    let Some(groups) = values.first().and_then(|values| groups(dimension, values, width)) else { return Ok(()) };
+    let snapshots = Snapshots::new(dimension, &values, TimeWeights::new(&series.times, interval));
     let rows: Vec<Row> = groups.iter().map(|group| snapshots.row(group)).collect();
     let file = |end: &str| directory.join(format!("{}_{end}.csv", series.array.name));
-    let is_closed = is_closed(&wanted);
+    let is_closed = is_closed(&values);
     let place = if is_closed { "s" } else { "arc_length" };
     write_atomically(&file("mean"), table(place, &rows).as_bytes())?;
     write_atomically(&file("separation"), list(place, &zeros(&rows, is_closed)).as_bytes())
@@ -88,9 +89,47 @@ fn is_closed(snapshots: &[&[f64]]) -> bool {
     snapshots.first().is_some_and(|values| !values[0].is_nan())
 }
 
+/// w_k of every snapshot over the interval of the averages, and over each of [`PARTS`] parts of it.
+struct TimeWeights {
+    whole: Vec<f64>,
+    /// None if there are fewer times than parts.
+    parts: Option<Vec<Vec<f64>>>,
+}
+
+impl TimeWeights {
+    fn new(times: &[f64], interval: [f64; 2]) -> Self {
+        let inside: Vec<f64> = times.iter().copied().filter(|t| (interval[0]..=interval[1]).contains(t)).collect();
+        let (first, last) = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
+        let (from, to) = (interval[0].max(first), interval[1].min(last));
+        let at = |part: usize| from + (to - from) * part as f64 / PARTS as f64;
+        let of_parts = || (0..PARTS).map(|part| hat_integrals(times, [at(part), at(part + 1)])).collect();
+        // A single time has no length.
+        let whole = match inside[..] {
+            [alone] => times.iter().map(|&time| f64::from(u8::from(time == alone))).collect(),
+            _ => hat_integrals(times, [from, to]),
+        };
+        TimeWeights { whole, parts: (inside.len() >= PARTS).then(of_parts) }
+    }
+}
+
+/// The integral of h_k from `from` to `to`, for every one of the `times`.
+fn hat_integrals(times: &[f64], [from, to]: [f64; 2]) -> Vec<f64> {
+    let mut integrals = vec![0.0; times.len()];
+    for (k, pair) in times.windows(2).enumerate().filter(|(_, pair)| pair[1] > pair[0]) {
+        let length = pair[1] - pair[0];
+        let [a, b] = [from, to].map(|t| ((t - pair[0]) / length).clamp(0.0, 1.0));
+        // int s ds, where s goes from 0 at the first time to 1 at the second.
+        let rising = 0.5 * (b - a) * (a + b);
+        integrals[k] += length * (b - a - rising);
+        integrals[k + 1] += length * rising;
+    }
+    integrals
+}
+
 /// The snapshots of a wall, and where the numbers of a row stand.
 struct Snapshots<'a> {
     values: &'a [&'a [f64]],
+    weights: TimeWeights,
     /// Numbers in a row.
     width: usize,
     /// The first numbers of area, position, normal and [`QUANTITIES`].
@@ -103,7 +142,7 @@ struct Snapshots<'a> {
 }
 
 impl<'a> Snapshots<'a> {
-    fn new(dimension: usize, values: &'a [&'a [f64]]) -> Self {
+    fn new(dimension: usize, values: &'a [&'a [f64]], weights: TimeWeights) -> Self {
         let columns = columns(dimension);
         let count = |columns: &[Column]| columns.iter().map(|column| column.components).sum();
         let first = |name: &str| count(&columns[..columns.iter().take_while(|column| column.name != name).count()]);
@@ -111,6 +150,7 @@ impl<'a> Snapshots<'a> {
         let (width, quantities) = (count(&columns), QUANTITIES.map(first));
         Snapshots {
             values,
+            weights,
             width,
             area: first("area"),
             position: first(""),
@@ -120,13 +160,17 @@ impl<'a> Snapshots<'a> {
         }
     }
 
-    /// The mean of `of` over the rows of `group` and the snapshots `times`, by area.
-    fn mean(&self, times: Range<usize>, group: &[usize], of: impl Fn(&[f64]) -> f64) -> f64 {
-        let row = |values: &'a [f64], row: &usize| &values[row * self.width..][..self.width];
-        let rows = self.values[times].iter().flat_map(|values| group.iter().map(|number| row(values, number)));
-        let add = |(sum, weight): (f64, f64), row: &[f64]| (sum + row[self.area] * of(row), weight + row[self.area]);
-        let (sum, weight) = rows.fold((0.0, 0.0), add);
-        sum / weight
+    /// The mean of `of` over the rows of `group` by area, and over the snapshots by their `weights`.
+    fn mean(&self, weights: &[f64], group: &[usize], of: impl Fn(&[f64]) -> f64) -> f64 {
+        let (mut sum, mut total) = (0.0, 0.0);
+        for (values, weight) in self.values.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
+            for number in group {
+                let row = &values[number * self.width..][..self.width];
+                sum += weight * row[self.area] * of(row);
+                total += weight * row[self.area];
+            }
+        }
+        sum / total
     }
 
     /// Quantity `number` of a row. The skin friction is that along the wall.
@@ -140,17 +184,13 @@ impl<'a> Snapshots<'a> {
 
     /// The 95 % error of the mean of quantity `number`, from those of parts of the time. NaN if there are too few.
     fn error(&self, group: &[usize], number: usize) -> f64 {
-        let count = self.values.len();
-        let times = |part: usize| part * count / PARTS..(part + 1) * count / PARTS;
-        if count < PARTS {
-            return f64::NAN;
-        }
-        let of_part = |part: usize| self.mean(times(part), group, |row| self.quantity(row, number));
-        half_width(&(0..PARTS).map(of_part).collect::<Vec<_>>())
+        let Some(parts) = &self.weights.parts else { return f64::NAN };
+        let of_part = |weights: &Vec<f64>| self.mean(weights, group, |row| self.quantity(row, number));
+        half_width(&parts.iter().map(of_part).collect::<Vec<_>>())
     }
 
     fn row(&self, group: &[usize]) -> Row {
-        let mean = |of: &dyn Fn(&[f64]) -> f64| self.mean(0..self.values.len(), group, of);
+        let mean = |of: &dyn Fn(&[f64]) -> f64| self.mean(&self.weights.whole, group, of);
         Row {
             place: mean(&|row| row[self.place]),
             position: [0, 1].map(|i| mean(&|row| row[self.position + i])),
@@ -249,8 +289,8 @@ mod tests {
     fn means_over_time_and_span_have_zeros_where_the_flow_attaches_and_separates() {
         for dimension in [2, 3] {
             let directory = tempfile::tempdir().unwrap();
-            // Whole periods without their last time.
-            write_means(directory.path(), dimension, &circle(dimension), [1.0, 3.99]).unwrap();
+            // Whole periods.
+            write_means(directory.path(), dimension, &circle(dimension), [1.0, 4.0]).unwrap();
             let mean = lines(directory.path(), "surface_wall_mean.csv");
             assert_eq!(mean.len(), 41);
             assert!(mean[0].starts_with("s,x,y,pressure,pressure_coefficient,skin_friction,"), "{}", mean[0]);
@@ -268,6 +308,26 @@ mod tests {
             let s: f64 = parts[0][1].parse().unwrap();
             assert!((s - 0.5).abs() < 1e-12, "{s}");
         }
+    }
+
+    /// Snapshots at the ends of adapted slabs, and an interval that ends between them: a linear quantity has its exact mean.
+    #[test]
+    fn snapshots_count_by_the_time_between_them() {
+        let times = [0.0, 0.1, 0.3, 1.0, 1.1, 2.0, 2.1, 2.2, 2.3, 4.0];
+        for interval in [[0.0, 4.0], [0.05, 3.0], [-1.0, 9.0]] {
+            let weights = TimeWeights::new(&times, interval);
+            let (from, to) = (interval[0].max(0.0), interval[1].min(4.0));
+            let mean = |weights: &[f64]| {
+                let sum: f64 = weights.iter().zip(times).map(|(weight, time)| weight * (1.0 + 2.0 * time)).sum();
+                sum / weights.iter().sum::<f64>()
+            };
+            assert!((mean(&weights.whole) - (1.0 + from + to)).abs() < 1e-14);
+            assert!((weights.whole.iter().sum::<f64>() - (to - from)).abs() < 1e-14);
+            let parts: Vec<f64> = weights.parts.unwrap().iter().map(|weights| mean(weights)).collect();
+            assert!((parts.iter().sum::<f64>() / 8.0 - (1.0 + from + to)).abs() < 1e-14, "{parts:?}");
+        }
+        let alone = TimeWeights::new(&times, [0.9, 1.05]);
+        assert!(alone.parts.is_none() && alone.whole == [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     }
 
     #[test]

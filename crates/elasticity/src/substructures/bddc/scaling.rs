@@ -9,8 +9,8 @@ use faer::linalg::solvers::{DenseSolveCore, Llt, Solve};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// The shift of S_b, relative to its diagonal, where it need not be definite: a block that nothing holds moves rigidly.
-const SHIFT: f64 = 1e-9;
+/// Shifts of S_b, relative to its diagonal, where it need not be definite.
+const SHIFTS: [f64; 4] = [1e-9, 1e-6, 1e-3, 1e-1];
 
 /// S_b,F of the own blocks, and the factor of their sums over all blocks, by pieces.
 pub(super) struct Scaling<const D: usize> {
@@ -157,13 +157,17 @@ fn pieces_of<const D: usize>(
     interface.pieces_of(block).map(of_piece).collect()
 }
 
-/// The inverse of S_b with a shift.
+/// The inverse of S_b with the least of [`SHIFTS`] that makes it positive definite. Rotations of a block that touches no support cost no energy;
+/// where it is stressed and its law is not linear, they may even set some free.
 fn shifted_inverse(s: &Mat<f64>) -> Result<Mat<f64>, ElasticityError> {
-    let mut shifted = s.clone();
-    (0..s.nrows()).for_each(|i| shifted[(i, i)] *= 1.0 + SHIFT);
-    let factor = cholesky(&shifted, "the interface of a block")?;
-    drop(shifted);
-    Ok(factor.inverse())
+    let factored = |shift: f64| {
+        let mut shifted = s.clone();
+        (0..s.nrows()).for_each(|i| shifted[(i, i)] *= 1.0 + shift);
+        cholesky(&shifted, "the interface of a block")
+    };
+    let [least, larger @ ..] = SHIFTS;
+    let factor = larger.iter().fold(factored(least), |factor, shift| factor.or_else(|_| factored(*shift)));
+    Ok(factor?.inverse())
 }
 
 /// Exchanges the matrices of pieces that several ranks have. A collective call.

@@ -65,12 +65,13 @@ pub(super) fn timing_table<const D: usize>(case: &Case<D>, timing: &Timing) -> T
     table
 }
 
-/// The proved bounds of the mesh over the run.
-pub(super) fn mesh_table(mesh: &MeshOverRun) -> Table {
+/// The proved bounds of the mesh over the run, in which bodies rest if there are `bodies`.
+pub(super) fn mesh_table(mesh: &MeshOverRun, bodies: bool) -> Table {
     let quality = &mesh.quality;
     let mut table = Table::new("mesh over the run");
+    let proved = if bodies { "or more, proved while bodies rest" } else { "or more, proved" };
     table
-        .row("det J / det J_0", quality.lower_bound, "or more, proved")
+        .row("det J / det J_0", quality.lower_bound, proved)
         .row("smallest met", quality.sampled_min, "")
         .row("in cell", quality.cell, "")
         .row("at time", quality.time, "")

@@ -166,7 +166,7 @@ where
         );
         warnings.push(Warning { subject: "mesh", text });
     }
-    Some(measured::mesh_table(&over_run))
+    Some(measured::mesh_table(&over_run, !case.bodies.is_empty()))
 }
 
 /// Times the parts of a slab, if requested.

@@ -1,0 +1,103 @@
+//! The search for the steady flow, with bodies held and then released. Every rank searches for the flow of its own cells.
+
+use crate::build;
+use case::{BoundaryData, Case, Flow, State, Steady, Time};
+use coupled::{Equilibrium, FlowMarch, Invariants, NoEquilibrium, Search, SteadyError, SteadyFlow, find_equilibrium};
+use fem::StateField;
+use navier_stokes::{Boundary, Compiled, Exact, ExactState, Manufactured, NavierStokes};
+
+/// The length of the first slab of the search for an equilibrium, in time units of the flow.
+const FIRST_SLAB: f64 = 0.1;
+
+/// The change from slab to slab falls at least by this factor as slabs grow, so slabs need not be solved better.
+const SLAB_TOLERANCE: f64 = 1e-3;
+
+/// Replaces the flow of `march`, a run at its start, by the steady flow. A collective call.
+///
+/// # Errors
+/// As [`Search::find`]; the flow is then the one with the least residual.
+pub fn search<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    steady: &Steady,
+    march: &mut FlowMarch<D, M>,
+) -> Result<SteadyFlow<M>, SteadyError>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let (system, state) = (&march.solver.system, &mut march.state);
+    let (share, displacement) = (&*system.flow.operator.share, &state.d[..]);
+    let time_unit = time_unit(flow);
+    let search = Search {
+        discretise: &|discretisation| build::steady::<D, M>(case, flow, (share, displacement), discretisation),
+        order: flow.order,
+        mover: system.mover(),
+        share,
+        displacement,
+        time: case.time.start,
+        time_unit,
+        settings: steady.newton(time_unit),
+        sequence: steady.sequence,
+        invariants: invariants(flow),
+        stability_time: steady.stability_time,
+    };
+    search.find(&mut state.u)
+}
+
+/// Lets bodies and the mesh of `march` go from the steady flow that was found with bodies held, until all are in equilibrium. A collective
+/// call.
+///
+/// # Errors
+/// [`NoEquilibrium`]; those of the mesh.
+pub fn release_bodies<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    steady: &Steady,
+    march: &mut FlowMarch<D, M>,
+) -> anyhow::Result<Equilibrium<M>>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let time = Time { order: 1, step: FIRST_SLAB * time_unit(flow), control: None, ..case.time };
+    let share = &march.solver.system.flow.operator.share;
+    let with_one_node = Case { time, ..case.clone() };
+    let mover = build::mover_of(&with_one_node, share.sums.clone())?;
+    let mut released = build::march_of::<D, M>(&with_one_node, flow, mover, (**share).clone())?;
+    released.solver.newton.relative_tolerance = SLAB_TOLERANCE;
+    released.state.u.clone_from(&march.state.u);
+    let found = find_equilibrium(&mut released, steady.tolerance, flow.reference_length).map_err(with_cause)?;
+    let coupled::State { u, d, bodies, .. } = released.state;
+    march.solver.system.flow.operator.set_displacement(&d);
+    (march.state.u, march.state.d, march.state.bodies) = (u, d, bodies);
+    Ok(found)
+}
+
+/// The time in which the flow passes its reference length.
+fn time_unit<const D: usize>(flow: &Flow<D>) -> f64 {
+    flow.reference_length / flow.reference_speed
+}
+
+/// The slab that could not be solved is the cause that the examination of a failure looks for.
+fn with_cause(error: NoEquilibrium) -> anyhow::Error {
+    let words = error.to_string();
+    match error {
+        NoEquilibrium::Slab { source, .. } => anyhow::Error::new(source).context(words),
+        NoEquilibrium::Moves { .. } => anyhow::Error::new(error),
+    }
+}
+
+/// What no boundary and no source can change.
+fn invariants<const D: usize>(flow: &Flow<D>) -> Invariants {
+    let every = |holds: fn(&BoundaryData<D>) -> bool| flow.boundary.iter().all(holds);
+    let mass = flow.conserves_mass()
+        && every(|data| data.condition.is_wall() || matches!(data.condition, Boundary::Symmetry(_)));
+    let is_idle = mass && flow.source.is_none();
+    // A wall with data slides.
+    let energy = is_idle && every(|data| !matches!(data.condition, Boundary::IsothermalWall(_)) && data.data.is_none());
+    Invariants { mass, momentum: is_idle && flow.boundary.is_empty(), energy }
+}
