@@ -82,7 +82,7 @@ def parse():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--end", type=float, default=10.0)
-    parser.add_argument("--step", type=float, default=1e-3, help="of PyFR, a part of 0.1; 2e-3 is not stable")
+    parser.add_argument("--step", type=float, default=5e-4, help="of PyFR, a part of 0.1; 1e-3 is not stable")
     parser.add_argument("--pyfr", default=shutil.which("pyfr"), help="the command, where it is not on the path")
     parser.add_argument("--directory", default="taylor_green")
     return parser.parse_args()
