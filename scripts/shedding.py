@@ -31,17 +31,49 @@ def upward_crossings(time, lift):
     return [t - l * (t1 - t) / (l1 - l) for (t, l), (t1, l1) in pairs if l < 0 <= l1]
 
 
+def fourier(values):
+    """The discrete Fourier transform of a list whose length is a power of two."""
+    if len(values) == 1:
+        return values
+    even, odd = fourier(values[::2]), fourier(values[1::2])
+    turned = [cmath.exp(-2j * math.pi * k / len(values)) * value for k, value in enumerate(odd)]
+    return [a + b for a, b in zip(even, turned)] + [a - b for a, b in zip(even, turned)]
+
+
+def even(time, signal, count):
+    """The signal at `count` even times from the first to the last, by straight lines."""
+    values, k = [], 0
+    for number in range(count):
+        at = time[0] + (time[-1] - time[0]) * number / (count - 1)
+        while k < len(time) - 2 and time[k + 1] < at:
+            k += 1
+        values.append(signal[k] + (signal[k + 1] - signal[k]) * (at - time[k]) / (time[k + 1] - time[k]))
+    return values
+
+
 def peak(time, step, signal):
-    """The frequency of the largest peak of the spectrum, beyond two periods in the time."""
-    start, length = time[0], time[-1] - time[0]
-    mean = sum(s * h for s, h in zip(signal, step)) / sum(step)
-    window = [(s - mean) * h * math.sin(math.pi * (t - start) / length) ** 2 for t, h, s in zip(time, step, signal)]
-    size = lambda f: abs(sum(w * cmath.exp(-2j * math.pi * f * t) for w, t in zip(window, time)))
-    return max((k / (50 * length) for k in range(100, 2500)), key=size)
+    """The frequency of the largest peak of the spectrum, from two periods in the time to half of the rate of the rows.
+
+    A transform of even values finds it to a quarter of a period in the time, a sum over the rows to a fiftieth.
+    """
+    start, length, mean = time[0], time[-1] - time[0], sum(s * h for s, h in zip(signal, step)) / sum(step)
+    weight = [math.sin(math.pi * (t - start) / length) ** 2 for t in time]
+    window = [(s - mean) * w for s, w in zip(signal, weight)]
+    count = 2 ** math.ceil(math.log2(len(time)))
+    coarse = fourier(even(time, window, count) + 3 * count * [0])
+    spacing = (count - 1) / count / (4 * length)
+    last = int((len(time) - 1) / (2 * length) / spacing)
+    about = spacing * max(range(math.ceil(2 / length / spacing), last + 1), key=lambda k: abs(coarse[k]))
+    size = lambda f: abs(sum(w * h * cmath.exp(-2j * math.pi * f * t) for w, h, t in zip(window, step, time)))
+    near = round(50 * length * about)
+    return max((k / (50 * length) for k in range(max(100, near - 25), near + 26)), key=size)
 
 
 def irregular(arguments, rows):
-    time, step, lift, drag = zip(*(row for row in zip(*rows) if row[0] >= arguments.start))
+    rows = [row for row in zip(*rows) if row[0] >= arguments.start]
+    if len(rows) < 16:
+        sys.exit(f"only {len(rows)} rows from t = {arguments.start:g} on")
+    time, step, lift, drag = zip(*rows)
     mean = lambda signal: sum(s * h for s, h in zip(signal, step)) / sum(step)
     strouhal = peak(time, step, drag) * arguments.length / arguments.speed
     print(f"St {strouhal:.4f}  mean C_D {mean(drag):.4f}  mean C_L {mean(lift):.4f}  t {time[0]:.2f} to {time[-1]:.2f}")

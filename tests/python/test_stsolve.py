@@ -3,10 +3,12 @@
 import ast
 import contextlib
 import gc
+import importlib.util
 import inspect
 import io
 import json
 import os
+import pickle
 import re
 import signal
 import subprocess
@@ -20,7 +22,7 @@ import numpy as np
 
 import stsolve
 from coarse import CASES, VORTEX
-from stsolve import _progress
+from stsolve import _analysis, _progress
 
 LONG = {**VORTEX, "time.step": 0.00125}
 
@@ -69,7 +71,9 @@ def test_any_number_of_threads_gives_the_same_bits(directory):
         case.run(output=output, threads=threads)
         results.append(stsolve.Result(output).array("flow"))
     assert (results[0] == results[1]).all()
-    raised(ValueError, lambda: case.run(output=directory / "none", threads=0))
+    for threads in (0, -1, 10**6):
+        error = raised(ValueError, lambda threads=threads: case.run(output=directory / "none", threads=threads))
+        assert "1 to 1024" in str(error)
 
 
 def test_messages_speak_python(directory):
@@ -275,6 +279,65 @@ def test_exception_stops_the_run(directory):
     assert raised(ZeroDivisionError, lambda: case.run(output=directory, on_slab=fail)).args == (1,)
 
 
+def test_cases_slabs_and_results_say_what_to_pickle_instead(directory):
+    slabs, _ = run(directory)
+    case = stsolve.Case(CASES / "vortex.toml", VORTEX)
+    for value, part in [(case, "settings"), (slabs[0], "dict(slab)"), (stsolve.Result(directory), "path")]:
+        assert part in str(raised(TypeError, lambda: pickle.dumps(value))), value
+
+
+def test_what_is_no_text_is_no_column(directory):
+    """`0 in slab` raised a TypeError."""
+    slabs, _ = run(directory)
+    assert 0 not in slabs[0] and None not in slabs[0] and "t" in slabs[0]
+
+
+def test_a_case_with_controls_has_one_run_at_a_time(directory):
+    """Two runs at the same time changed the same controls."""
+    control = {"controls.force.measure": "mass", "controls.force.rate": "0"}
+    case, refused = stsolve.Case(CASES / "vortex.toml", {**VORTEX, **control}), []
+
+    def again(slab):
+        refused.append(str(raised(RuntimeError, lambda: case.run(output=directory / "again"))))
+
+    assert case.run(output=directory / "first", on_slab=again)["completed"]
+    assert len(refused) == 4 and "load it again" in refused[0]
+    assert case.run(output=directory / "again")["completed"]
+
+
+def test_a_case_without_controls_may_run_twice_at_the_same_time(directory):
+    case = stsolve.Case(CASES / "vortex.toml", VORTEX)
+    runs = [threading.Thread(target=case.run, kwargs={"output": directory / name}) for name in "ab"]
+    for thread in runs:
+        thread.start()
+    for thread in runs:
+        thread.join()
+    one, other = (stsolve.Result(directory / name).array("flow") for name in "ab")
+    assert (one == other).all()
+
+
+def test_python_goes_on_while_a_result_is_evaluated(directory):
+    """Rust kept Python while it waited for its threads, which may be waiting for Python."""
+    run(directory)
+    result, points = stsolve.Result(directory), np.random.default_rng(1).uniform(1, 9, (300_000, 2))
+    times, is_done = [], threading.Event()
+
+    def watch():
+        while not is_done.wait(0.001):
+            times.append(time.time())
+
+    watcher = threading.Thread(target=watch)
+    watcher.start()
+    begun = time.time()
+    result.evaluate(points)
+    ended = time.time()
+    is_done.set()
+    watcher.join()
+    # Python's threads take turns of 5 ms.
+    inside = sum(begun + 0.01 < at < ended - 0.01 for at in times)
+    assert inside > 5, (inside, ended - begun)
+
+
 def test_interrupt_stops_the_run_with_a_checkpoint(directory):
     # A shell has its background jobs ignore the interrupt.
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -329,6 +392,19 @@ def test_boundary_layer_of_a_known_profile(directory):
     assert all(np.isnan(values).all() for values in beyond.values()), "the lines leave the mesh"
 
 
+def test_steps_of_distributions_are_found_in_runs_of_nanoseconds():
+    """The tolerance was a nanosecond: any step was at the time of the distribution."""
+
+    class Short:
+        times = np.array([0.0, 1e-9, 2e-9, 3e-9])
+
+        def step_at(self, time):
+            return int(abs(self.times - time).argmin())
+
+    assert _analysis._step_of(Short(), 3 * 1e-9) == 3
+    assert "multiple" in str(raised(ValueError, lambda: _analysis._step_of(Short(), 1.4e-9)))
+
+
 def inline(value):
     """A value of a case as TOML: JSON's lists, texts and numbers are TOML's."""
     if isinstance(value, dict):
@@ -347,6 +423,21 @@ def test_spectrum_has_the_variance_and_the_frequency():
         assert abs(variance / 0.125 - 1) < 0.02, (segments, variance)
     assert "increasing" in str(raised(ValueError, lambda: stsolve.spectrum(times[::-1], values)))
     assert "segments" in str(raised(ValueError, lambda: stsolve.spectrum(times, values, 1000)))
+    outside = np.where(times < times[5], np.nan, values)
+    assert "outside of the mesh" in str(raised(ValueError, lambda: stsolve.spectrum(times, outside)))
+
+
+def test_the_shedding_script_finds_more_than_fifty_periods():
+    """The search ended at fifty periods in the time, and the largest value below was printed."""
+    spec = importlib.util.spec_from_file_location("shedding", CASES.parent / "scripts" / "shedding.py")
+    shedding = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(shedding)
+    for frequency in (0.07, 0.9, 3.3, 8.0):
+        step = 0.05 * (1 + 0.5 * np.random.default_rng(1).uniform(-1, 1, 2000))
+        time = 30 + np.cumsum(step)
+        drag = 0.6 + 0.01 * np.sin(2 * np.pi * frequency * time)
+        found = shedding.peak(time.tolist(), step.tolist(), drag.tolist())
+        assert abs(found - frequency) < 2e-3, (frequency, found)
 
 
 def test_stubs_describe_the_module():

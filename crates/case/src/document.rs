@@ -203,7 +203,7 @@ impl Document {
 
 /// An option as a line of TOML: `order=4` is one, `riemann=hllc` becomes `riemann = "hllc"`.
 fn understood(option: &str) -> String {
-    match option.split_once('=') {
+    match key_and_value(option) {
         Some((key, value)) if Table::parse(option).is_err() => {
             let quoted = format!("{} = {}", key.trim(), toml::Value::String(value.trim().to_owned()));
             if Table::parse(&quoted).is_ok() { quoted } else { option.to_owned() }
@@ -212,9 +212,16 @@ fn understood(option: &str) -> String {
     }
 }
 
+/// The parts of an option before and after its first `=` that does not lie in a quoted name.
+fn key_and_value(option: &str) -> Option<(&str, &str)> {
+    let parts = |(at, _)| (&option[..at], &option[at + 1..]);
+    let is_key = |text: &str| Table::parse(&format!("{text}=0")).is_ok();
+    option.match_indices('=').map(parts).find(|(key, _)| is_key(key))
+}
+
 /// The number of names in the key of an option: 2 in `a.b={c=1}`.
 fn depth(option: &str) -> usize {
-    let key = option.split_once('=').map_or(option, |(key, _)| key);
+    let Some((key, _)) = key_and_value(option) else { return 0 };
     let probe = format!("{key}=0");
     let Ok(parsed) = Table::parse(&probe) else { return 0 };
     let mut table = Some(parsed.get_ref());

@@ -144,8 +144,8 @@ pub enum VolumeFlux {
     EntropyViscosity,
 }
 
-/// An artificial viscosity, which gives shocks a width of a few nodes. It is zero in expansions, contacts, shear and in flow that the mesh
-/// resolves.
+/// An artificial viscosity, which gives shocks a width of a few nodes. It is zero in expansions, contacts and shear, and
+/// where the compression is below `threshold`. It widens shocks that viscosity and mesh resolve without it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShockCapturing {

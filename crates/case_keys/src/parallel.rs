@@ -14,7 +14,7 @@ pub struct Parallel {
     pub blocks: usize,
     /// The number of groups of cells that the preconditioner `"blocks"` eliminates one after the other, in all blocks at the same time.
     /// `"exact"` keeps the order of elimination of a mesh in one block. More groups save iterations if there are many blocks, but cost
-    /// messages: each group takes some rounds of messages in a sweep. Default: 1, or `"exact"` if blocks have fewer than 20 cells, most of which
+    /// messages: each group takes some rounds of messages in a sweep. Default: 1, or `"exact"` if blocks have fewer than 40 cells, many of which
     /// are at cuts.
     pub stages: Option<Stages>,
 }

@@ -184,10 +184,15 @@ pub trait Body: Block {
     /// the length of the slab before, if there was one.
     fn guess(&mut self, past: Option<(&[f64], f64)>, exchange: &mut Exchange, z: &mut [f64]);
 
-    /// Replaces the velocity of the nodes that it moves, `[C0 node][component]`, by its own at the top of the slab with the unknowns `z`. The
-    /// polynomials of the mesh meet positions; the velocity of a node that turns is only nearly that of the body. Elastic bodies need no
-    /// replacement: their nodes have the same polynomials.
-    fn write_velocity_at_top(&self, _z: &[f64], _velocity: &mut [f64]) {}
+    /// The C0 nodes where [`Body::add_velocity_at_top`] replaces the velocity of the mesh; several bodies may move one.
+    fn nodes_with_velocity_at_top(&self) -> Vec<usize> {
+        Vec::new()
+    }
+
+    /// Adds its own velocity at the top of the slab with the unknowns `z`, `[C0 node][component]`. The polynomials of the mesh meet positions;
+    /// the velocity of a node that turns is only nearly that of the body. Elastic bodies need no replacement: their nodes have the same
+    /// polynomials.
+    fn add_velocity_at_top(&self, _z: &[f64], _velocity: &mut [f64]) {}
 
     /// Replaces its `stored` state by that at the top of the slab with the unknowns `z`.
     fn end_slab(&mut self, z: &[f64], stored: &mut Vec<f64>);

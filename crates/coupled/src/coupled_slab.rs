@@ -308,8 +308,10 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         if self.system.follows_time() {
             mover.prescribe_velocity(t, &mut velocity);
         }
+        let nodes = self.system.bodies.iter().flat_map(|body| body.nodes_with_velocity_at_top());
+        nodes.for_each(|node| velocity[node * D..(node + 1) * D].fill(0.0));
         for (number, body) in self.system.bodies.iter().enumerate() {
-            body.write_velocity_at_top(&z[self.system.body_range(number)], &mut velocity);
+            body.add_velocity_at_top(&z[self.system.body_range(number)], &mut velocity);
         }
         velocity
     }

@@ -105,10 +105,7 @@ impl<S: SlabSolver> March<S> {
         let remedy = match easier {
             Some(done) => done,
             None if self.schedule.shorten(&mut self.state, interval, (times, self.max_halvings)) => {
-                // Nothing comes before the first slab to go back to.
-                if self.state.slab > 0 {
-                    self.state.failed.get_or_insert(interval);
-                }
+                self.state.failed.get_or_insert(interval);
                 "it is halved".into()
             }
             None => return Err(MarchError::new(&self.state, interval, source)),

@@ -77,7 +77,7 @@ impl Schedule {
 
     /// The latest end of a slab that begins at `start`.
     fn latest_end(&self, start: f64) -> f64 {
-        let later = self.begins.iter().copied().filter(|t| is_before(start, *t));
+        let later = self.begins.iter().copied().filter(|t| is_before(start, *t, self.step));
         later.chain([self.end]).min_by(f64::total_cmp).unwrap_or(self.end)
     }
 
@@ -86,10 +86,10 @@ impl Schedule {
         let end = match self.control {
             None if state.nominal + 1 == self.slabs => self.end,
             None => self.start + self.step * (state.nominal + 1) as f64,
-            Some(_) => {
-                let latest = self.latest_end(state.time);
-                let is_last_before = latest - state.time <= (1.0 + SLIVER) * state.step;
-                if is_last_before { latest } else { state.time + state.step }
+            Some(control) => {
+                let (latest, step) = (self.latest_end(state.time), state.step.min(control.largest));
+                let is_last_before = latest - state.time <= (1.0 + SLIVER) * step;
+                if is_last_before { latest } else { state.time + step }
             }
         };
         Interval { start: state.time, end, halvings: 0 }
@@ -218,6 +218,13 @@ mod tests {
         assert_eq!(adapted.next(&state(0.5, 0.496)).end, 1.0);
         assert_eq!(adapted.next(&state(0.5, 3.0)).end, 1.0);
         assert!(adapted.is_done(&state(1.0, 0.1)) && !adapted.is_done(&state(0.99, 0.1)));
+    }
+
+    /// The first slab after a resume was as long as the earlier limit allowed.
+    #[test]
+    fn no_slab_is_longer_than_the_present_limit() {
+        let adapted = schedule(Some(StepControl { largest: 0.05, ..CONTROL }));
+        assert_eq!(adapted.next(&state(0.5, 0.2)).end, 0.55);
     }
 
     /// The slab that the end has cut short says how short the next attempt is, but not how long a later one may be.

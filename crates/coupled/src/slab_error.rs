@@ -106,7 +106,7 @@ fn largest_in(residual_breakdown: Option<&ResidualBreakdown>) -> String {
 /// The run stops: the smallest slab allowed could not be solved either.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "slab {slab}, t = {} to {}, could not be solved, halved {halvings} times",
+    "slab {slab}, t = {} to {}, could not be solved, shortened {shortened} times",
     rounded_time(interval.start),
     rounded_time(interval.end)
 )]
@@ -115,8 +115,8 @@ pub struct MarchError {
     pub slab: usize,
     /// The interval of the last attempt.
     pub interval: Interval,
-    /// How often the slab was halved.
-    pub halvings: u32,
+    /// How often the slab was shortened: halved, or adapted.
+    pub shortened: usize,
     /// The error of the last attempt.
     #[source]
     pub source: SlabError,
@@ -125,7 +125,9 @@ pub struct MarchError {
 impl MarchError {
     /// `interval`, the next one of `state`, has failed because of `source`.
     pub(crate) fn new(state: &State, interval: Interval, source: SlabError) -> Self {
-        MarchError { slab: state.slab + 1, interval, halvings: interval.halvings, source }
+        // Adapted slabs are not counted as halves.
+        let shortened = if interval.halvings > 0 { interval.halvings as usize } else { state.rejected };
+        MarchError { slab: state.slab + 1, interval, shortened, source }
     }
 }
 

@@ -213,6 +213,16 @@ impl<const D: usize, const M: usize> System<D, M> {
         self.mesh.forget();
     }
 
+    /// What attempts have cost since a slab was last accepted.
+    pub fn counts(&self) -> Counts {
+        Counts { elasticity_iterations: self.mesh.iterations, ..self.flow.counts }
+    }
+
+    /// Sets them, after a resume.
+    pub fn set_counts(&mut self, counts: Counts) {
+        (self.mesh.iterations, self.flow.counts) = (counts.elasticity_iterations, counts);
+    }
+
     /// The counts since this was last called.
     pub(crate) fn take_counts(&mut self) -> Counts {
         let elasticity_iterations = std::mem::take(&mut self.mesh.iterations);

@@ -66,8 +66,11 @@ impl<const D: usize> Mesh<D> {
         let mut axes: BTreeMap<usize, [bool; D]> = BTreeMap::new();
         for side in self.sides_of(boundary) {
             let positions = self.face_positions(side);
-            let is_plane = |axis: &usize| positions.iter().all(|x| (x[*axis] - positions[0][*axis]).abs() <= tolerance);
-            let Some(axis) = (0..D).find(is_plane) else {
+            let extents: [f64; D] = from_fn(|axis| extent(&positions, axis));
+            // A small facet may be thin along other axes, too.
+            let axis =
+                (0..D).min_by(|a, b| extents[*a].total_cmp(&extents[*b])).filter(|axis| extents[*axis] <= tolerance);
+            let Some(axis) = axis else {
                 let (name, position) = (self.boundary_names[boundary].clone(), self.face_centre(side));
                 return Err(MeshError::NoAxis { name, position });
             };
@@ -82,6 +85,12 @@ impl<const D: usize> Mesh<D> {
             .filter(move |facet| facet.boundary == boundary)
             .map(|&BoundaryFacet { side, .. }| side)
     }
+}
+
+/// The extent of points along an axis.
+fn extent<const D: usize>(points: &[[f64; D]], axis: usize) -> f64 {
+    let along = || points.iter().map(|x| x[axis]);
+    along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
 }
 
 /// The outward normal of a face, where dx/dxi is `jacobian`: cof(dx/dxi) e_axis with the sign of the side. Its length is the area of the

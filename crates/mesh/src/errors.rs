@@ -56,7 +56,7 @@ pub enum MeshError {
     /// The reference map of a cell is not orientation-preserving everywhere.
     #[error(
         "cell {cell} is inverted: det J = {determinant:e} at reference point {reference:?}, position {position:?} \
-         (its corners may be ordered left-handed, or it is too strongly curved)"
+         (it is too strongly curved; or its corners are ordered left-handed, but no generator here does that)"
     )]
     Inverted {
         /// The cell.

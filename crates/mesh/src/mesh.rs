@@ -120,7 +120,7 @@ impl<const D: usize> Mesh<D> {
     }
 
     /// The positions of the nodes of a face, in the order of its lattice.
-    pub(crate) fn face_positions(&self, side: Side) -> Vec<[f64; D]> {
+    pub fn face_positions(&self, side: Side) -> Vec<[f64; D]> {
         let cell = self.cell_coordinates(side.cell);
         face_nodes(D, self.order, side.face).into_iter().map(|k| point(cell, k)).collect()
     }

@@ -13,9 +13,6 @@ use crate::reader::ResultReader;
 use crate::result_file::RESULT_FILE;
 use crate::summary::SUMMARY_FILE;
 
-/// The files of averages.
-const OF_AVERAGES: [&str; 3] = ["phases.vtkhdf", "averages_along.csv", "averages_along.vtkhdf"];
-
 /// An earlier run, as described by its files.
 ///
 /// A run has no `summary.json` until it ends, so a directory without one holds a run that was killed. A run killed before its first
@@ -88,7 +85,7 @@ impl RunDirectory {
     }
 
     /// Removes files that would be mistaken for the work of the new run. Of a resumed run that is the old summary. Of others it is the result,
-    /// too, with its lines, slices, surfaces and averages, and the `others` made from it.
+    /// too, with its lines, slices and surfaces, and the `others` made from it.
     ///
     /// # Errors
     /// [`OutputError::File`] if the system refuses.
@@ -101,7 +98,7 @@ impl RunDirectory {
         self.clear_series()
     }
 
-    /// Removes lines, slices, surfaces and files of averages.
+    /// Removes lines, slices and surfaces.
     fn clear_series(&self) -> Result<(), OutputError> {
         let failed = |source| file_error(self.path(), source);
         for entry in fs::read_dir(self.path()).map_err(failed)? {
@@ -119,12 +116,11 @@ impl RunDirectory {
     }
 }
 
-/// Whether a run writes a line, a slice, a surface or averages to a file of this name.
+/// Whether a run writes a line, a slice or a surface to a file of this name.
 fn is_of_series(path: &Path) -> bool {
     let Some(name) = path.file_name().and_then(|name| name.to_str()) else { return false };
     let kinds = [("line_", ".csv"), ("surface_", ".csv"), ("surface_", ".vtkhdf"), ("slice_", ".pvd")];
-    OF_AVERAGES.contains(&name)
-        || kinds.iter().any(|(prefix, extension)| name.starts_with(prefix) && name.ends_with(extension))
+    kinds.iter().any(|(prefix, extension)| name.starts_with(prefix) && name.ends_with(extension))
 }
 
 /// Removes a file, if it is there.
@@ -158,15 +154,7 @@ mod tests {
         let held = RunDirectory::open(directory.path()).unwrap();
         held.clear(true, &["report.html"]).unwrap();
         assert!(find().unwrap().has_checkpoint);
-        let series = [
-            "line_a.csv",
-            "surface_b.csv",
-            "surface_b.vtkhdf",
-            "slice_c.pvd",
-            "phases.vtkhdf",
-            "averages_along.csv",
-            "averages_along.vtkhdf",
-        ];
+        let series = ["line_a.csv", "surface_b.csv", "surface_b.vtkhdf", "slice_c.pvd"];
         series.iter().for_each(|name| write(name, ""));
         fs::create_dir(directory.path().join("slice_c")).unwrap();
         write("slice_c/slab_000000.vtp", "");

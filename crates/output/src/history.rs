@@ -31,7 +31,7 @@ impl History {
         let whole = rows.len() - rows.len() % columns.len().max(1);
         check_length("rows of the history", rows.len(), whole)?;
         let path = directory.path().join(HISTORY_FILE);
-        let header = line(columns.iter().map(|name| quoted(name)));
+        let header = header(columns) + "\n";
         let body = rows.chunks_exact(columns.len().max(1)).map(|row| line(row.iter().copied().map(number)));
         let text: String = std::iter::once(header).chain(body).collect();
         write_atomically(&path, text.as_bytes())?;
@@ -111,8 +111,13 @@ impl HistoryTable {
     }
 }
 
-/// The names in a line of CSV, see [`quoted`].
-fn names(line: &str) -> Vec<String> {
+/// The first line of `history.csv` with these columns, without its end.
+pub fn header(columns: &[String]) -> String {
+    columns.iter().map(|name| quoted(name)).collect::<Vec<_>>().join(",")
+}
+
+/// The names in a line of CSV, such as a [`header`].
+pub fn names(line: &str) -> Vec<String> {
     let (mut names, mut inside, mut characters) = (vec![String::new()], false, line.chars().peekable());
     while let Some(c) = characters.next() {
         let name = names.last_mut().expect("there is at least one name");

@@ -76,7 +76,7 @@ pub use earlier::EarlierRun;
 pub use error::OutputError;
 pub use files::write_atomically;
 pub use format::{FORMAT_VERSION, Metadata};
-pub use history::{HISTORY_FILE, History, HistoryTable};
+pub use history::{HISTORY_FILE, History, HistoryTable, header, names};
 pub use inspect::{CheckpointInfo, ResultInfo, inspect};
 pub use lagrange::{vtk_node, vtk_order};
 pub use layout::{ArraySpec, Axis, FieldSpec, FileLayout, Grid};

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use hdf5::{Group, Result};
+use hdf5::{Extent, Group, Result, SimpleExtents};
 
 use crate::hdf::{constant, read_integer, read_text, write_integer, write_text};
 
@@ -21,17 +21,59 @@ pub struct SolverState {
     pub texts: BTreeMap<String, String>,
 }
 
-/// Replaces the state in the group `parent`. The space of the old one is used again.
+/// Numbers in a chunk of an array that changes its length.
+const CHUNK: usize = 2048;
+
+/// Replaces the state in the group `parent`. The space of the old one is used again: what a file frees is lost when it is closed.
 pub(crate) fn write(parent: &Group, state: &SolverState) -> Result<()> {
-    if parent.link_exists("state") {
-        parent.unlink("state")?;
+    let group = if parent.link_exists("state") { parent.group("state")? } else { parent.create_group("state")? };
+    let arrays = if group.link_exists("arrays") { group.group("arrays")? } else { group.create_group("arrays")? };
+    let gone = arrays.member_names()?.into_iter().filter(|name| !state.arrays.contains_key(name));
+    gone.into_iter().try_for_each(|name| arrays.unlink(&name))?;
+    state.arrays.iter().try_for_each(|(name, values)| replace(&arrays, name, values))?;
+    if group.link_exists("integers") {
+        group.unlink("integers")?;
     }
-    let group = parent.create_group("state")?;
-    let (arrays, integers, texts) =
-        (group.create_group("arrays")?, group.create_group("integers")?, group.create_group("texts")?);
-    state.arrays.iter().try_for_each(|(name, values)| constant(&arrays, name, values))?;
+    let integers = group.create_group("integers")?;
     state.integers.iter().try_for_each(|(name, &value)| write_integer(&integers, name, value))?;
-    state.texts.iter().try_for_each(|(name, text)| write_text(&texts, name, text))
+    write_texts(&group, &state.texts)
+}
+
+/// Replaces the texts. One that stays is not written again: a file never frees the space of a text.
+fn write_texts(group: &Group, now: &BTreeMap<String, String>) -> Result<()> {
+    let texts = if group.link_exists("texts") { group.group("texts")? } else { group.create_group("texts")? };
+    let before = named(texts.attr_names()?, |name| read_text(&texts, name))?;
+    before
+        .iter()
+        .filter(|(name, text)| now.get(*name) != Some(*text))
+        .try_for_each(|(name, _)| texts.delete_attr(name))?;
+    let new = now.iter().filter(|(name, text)| before.get(*name) != Some(*text));
+    new.into_iter().try_for_each(|(name, text)| write_text(&texts, name, text))
+}
+
+/// Writes an array in the place of an earlier one. One that changes its length consists of chunks from then on.
+fn replace(arrays: &Group, name: &str, values: &[f64]) -> Result<()> {
+    if !arrays.link_exists(name) {
+        return constant(arrays, name, values);
+    }
+    let array = arrays.dataset(name)?;
+    if array.size() == values.len() {
+        return if values.is_empty() { Ok(()) } else { array.write_raw(values) };
+    }
+    if array.is_resizable() {
+        array.resize(values.len())?;
+        return if values.is_empty() { Ok(()) } else { array.write_raw(values) };
+    }
+    drop(array);
+    arrays.unlink(name)?;
+    changing(arrays, name, values)
+}
+
+/// Writes an array that changes its length.
+fn changing(arrays: &Group, name: &str, values: &[f64]) -> Result<()> {
+    let shape = SimpleExtents::from_vec(vec![Extent::resizable(values.len())]);
+    let array = arrays.new_dataset::<f64>().obj_track_times(false).chunk(CHUNK).shape(shape).create(name)?;
+    if values.is_empty() { Ok(()) } else { array.write_raw(values) }
 }
 
 /// Reads the state in the group `parent`.

@@ -97,6 +97,26 @@ fn checkpoints_use_the_space_of_the_old_state_again() {
     assert!(twentieth < first + first / 4, "{first} bytes grew to {twentieth}");
 }
 
+/// A history of 4,000 slabs made a file of 109 MB: every checkpoint wrote it behind the old one.
+#[test]
+fn a_history_that_grows_uses_the_space_of_the_old_one_again() {
+    let directory = tempfile::tempdir().unwrap();
+    let locked = RunDirectory::open(directory.path()).unwrap();
+    let mut result = ResultFile::create(&locked, layout(), &metadata()).unwrap();
+    let mut growing = state(1);
+    let mut size_after = |rows: usize| {
+        growing.arrays.insert("history".to_owned(), noise(9, 20 * rows).into());
+        growing.integers.insert("slab".to_owned(), rows as i64);
+        result.checkpoint(&growing).unwrap();
+        assert_eq!(bits(&output::read_checkpoint(result.path()).unwrap().1), bits(&growing));
+        fs::metadata(result.path()).unwrap().len()
+    };
+    let first = size_after(1);
+    let last = (1..=300).map(|checkpoint| size_after(10 * checkpoint)).last().unwrap();
+    let history = 8 * 20 * 3000;
+    assert!(last < first + history + history / 4, "{history} bytes of history make {first} bytes to {last}");
+}
+
 #[test]
 fn a_step_that_does_not_fit_is_refused_before_anything_is_written() {
     let directory = tempfile::tempdir().unwrap();

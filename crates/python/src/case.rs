@@ -2,15 +2,15 @@
 
 use crate::observer::Listener;
 use crate::values::{to_python, to_toml};
-use crate::{CaseError, SolveError, message};
+use crate::{CaseError, SolveError, message, not_pickled};
 use ::case::AnyCase;
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use simulation::{Destination, Existing, Failure};
-use std::num::NonZero;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// How often a run looks for an interrupt.
@@ -25,6 +25,17 @@ const LOOKS: usize = 10;
 #[pyclass(frozen)]
 pub struct Case {
     case: AnyCase,
+    /// Whether a run is changing the controls of the case.
+    is_held: AtomicBool,
+}
+
+/// Releases the controls of a case when its run ends.
+struct Held<'a>(&'a AtomicBool);
+
+impl Drop for Held<'_> {
+    fn drop(&mut self) {
+        self.0.store(false, Ordering::Release);
+    }
 }
 
 #[pymethods]
@@ -39,7 +50,7 @@ impl Case {
             settings.into_iter().flat_map(|settings| settings.iter().map(option)).collect::<PyResult<Vec<_>>>()?;
         let case =
             py.detach(|| AnyCase::read(&path, &options)).map_err(|error| CaseError::new_err(message(&*error)))?;
-        Ok(Case { case })
+        Ok(Case { case, is_held: AtomicBool::new(false) })
     }
 
     /// The name of the case.
@@ -71,6 +82,8 @@ impl Case {
     /// `progress` shows a line with the time that is left, on a terminal or in a notebook.
     ///
     /// `threads` is the number of threads; default all cores. The results have the same bits for any number.
+    ///
+    /// A case with controls cannot run twice at the same time: load it again for each run.
     #[pyo3(signature = (output=None, existing="keep", on_slab=None, progress=false, threads=None))]
     #[expect(clippy::too_many_arguments, reason = "they are the named parameters of Python")]
     fn run<'py>(
@@ -80,13 +93,14 @@ impl Case {
         existing: &str,
         on_slab: Option<Py<PyAny>>,
         progress: bool,
-        threads: Option<NonZero<usize>>,
+        threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyAny>> {
         if let Some(given) = on_slab.as_ref().filter(|given| !given.bind(py).is_callable()) {
             return Err(PyTypeError::new_err(format!("on_slab = {} cannot be called", given.bind(py).repr()?)));
         }
         let pool = threads.map(pool).transpose()?;
         let destination = self.destination(output, existing)?;
+        let _held = self.hold_controls()?;
         let line = progress.then(|| py.import("stsolve._progress")?.call_method0("Progress")).transpose()?;
         let listener = Listener::new(on_slab);
         let run = || simulation::run(&self.case, &destination, &listener);
@@ -102,12 +116,31 @@ impl Case {
         }
     }
 
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(not_pickled("Case", "the path and the settings of the case"))
+    }
+
     fn __repr__(&self) -> String {
         format!("stsolve.Case({:?})", self.name())
     }
 }
 
 impl Case {
+    /// Keeps other runs of this case away, which would change its controls, too; None without controls.
+    fn hold_controls(&self) -> PyResult<Option<Held<'_>>> {
+        if !self.case.has_controls() {
+            return Ok(None);
+        }
+        if self.is_held.swap(true, Ordering::Acquire) {
+            let problem = format!(
+                "the case {:?} is running, and its run changes its controls: for a run at the same time load it again",
+                self.name()
+            );
+            return Err(PyRuntimeError::new_err(problem));
+        }
+        Ok(Some(Held(&self.is_held)))
+    }
+
     fn destination(&self, output: Option<PathBuf>, existing: &str) -> PyResult<Destination> {
         let existing = match existing {
             "keep" => Existing::Keep,
@@ -126,8 +159,12 @@ impl Case {
 }
 
 /// A pool of threads for one run.
-fn pool(threads: NonZero<usize>) -> PyResult<ThreadPool> {
-    let pool = ThreadPoolBuilder::new().num_threads(threads.get()).build();
+fn pool(threads: i64) -> PyResult<ThreadPool> {
+    let most = i64::from(simulation::MOST_THREADS);
+    if !(1..=most).contains(&threads) {
+        return Err(PyValueError::new_err(format!("threads = {threads}; accepted: 1 to {most}")));
+    }
+    let pool = ThreadPoolBuilder::new().num_threads(threads as usize).build();
     pool.map_err(|error| CaseError::new_err(format!("threads = {threads}: {error}")))
 }
 

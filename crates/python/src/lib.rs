@@ -16,7 +16,7 @@ mod slab;
 mod stored;
 mod values;
 
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::{create_exception, wrap_pyfunction};
 use std::error::Error;
@@ -33,6 +33,11 @@ fn execute(py: Python<'_>, arguments: Vec<String>) -> PyResult<i32> {
 /// The message of `error` and of its causes.
 fn message(error: &(dyn Error + 'static)) -> String {
     stsolve::failure::chain(error)
+}
+
+/// The exception for an object of a `class` that is to be pickled or copied, with the remedy.
+fn not_pickled(class: &str, instead: &str) -> PyErr {
+    PyTypeError::new_err(format!("a stsolve.{class} cannot be pickled or copied; {instead} can"))
 }
 
 /// The native part of the module.

@@ -1,5 +1,6 @@
 //! A result file.
 
+use crate::not_pickled;
 use crate::stored::{
     Values, at_reference, broken, chosen, coefficients, determinants, evaluated, lengths, spec, unreadable,
 };
@@ -34,11 +35,11 @@ macro_rules! in_dimension {
 #[pymethods]
 impl Result {
     #[new]
-    fn new(path: PathBuf) -> PyResult<Self> {
+    fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         // Another directory of work does not change what the result is read from.
         let path = std::path::absolute(&path)?;
         let file = if path.is_dir() { path.join(RESULT_FILE) } else { path };
-        let reader = ResultReader::open(&file).map_err(unreadable)?;
+        let reader = py.detach(|| ResultReader::open(&file)).map_err(unreadable)?;
         Ok(Result { directory: file.parent().map(PathBuf::from).unwrap_or_default(), reader })
     }
 
@@ -110,13 +111,13 @@ impl Result {
     #[pyo3(signature = (name, step=-1))]
     fn array<'py>(&self, py: Python<'py>, name: &str, step: isize) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let shape = lengths(spec(&self.reader, name)?);
-        PyArray1::from_vec(py, coefficients(&self.reader, name, step)?).reshape(shape)
+        PyArray1::from_vec(py, coefficients(py, &self.reader, name, step)?).reshape(shape)
     }
 
     /// The columns of history.csv as NumPy arrays.
     #[getter]
     fn history<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let table = HistoryTable::read(&self.directory).map_err(unreadable)?;
+        let table = py.detach(|| HistoryTable::read(&self.directory)).map_err(unreadable)?;
         let columns = PyDict::new(py);
         for name in &table.columns {
             columns.set_item(name, table.column(name).unwrap_or_default().to_pyarray(py))?;
@@ -127,7 +128,7 @@ impl Result {
     /// The distribution on a wall of `output.surfaces` as a dictionary of columns, those of surface_NAME.csv; step -1 is its last time.
     #[pyo3(signature = (wall, step=-1))]
     fn surface<'py>(&self, py: Python<'py>, wall: &str, step: isize) -> PyResult<Bound<'py, PyDict>> {
-        let series = self.series_of(wall)?;
+        let series = py.detach(|| self.series_of(wall))?;
         let number = chosen(step, series.times.len())?;
         let values = &series.values[number * series.array.len()..][..series.array.len()];
         let names = surface_columns(self.reader.layout.grid.dimension)
@@ -178,6 +179,10 @@ impl Result {
         name: &str,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         in_dimension!(py, self, determinants(name, step, points))
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(not_pickled("Result", "the path of the result"))
     }
 
     fn __repr__(&self) -> String {

@@ -1,5 +1,6 @@
 //! A slab of a run in progress: its numbers, and its fields without copies.
 
+use crate::not_pickled;
 use numpy::ndarray::ArrayViewD;
 use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyKeyError, PyValueError};
@@ -118,7 +119,9 @@ impl Slab {
     /// computed when it is first asked for.
     #[getter]
     fn position<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let numbers = self.position.get_or_init(|| Arc::new((self.positions)(&self.displacement.numbers)));
+        // Without Python: threads of the run that wait for it may be needed here.
+        let numbers =
+            py.detach(|| self.position.get_or_init(|| Arc::new((self.positions)(&self.displacement.numbers))));
         borrowed(py, numbers, &self.shape_of_position)
     }
 
@@ -133,8 +136,9 @@ impl Slab {
         })
     }
 
-    fn __contains__(&self, column: &str) -> bool {
-        self.value(column).is_some()
+    /// As in a dictionary, what is no text is no column.
+    fn __contains__(&self, column: &Bound<'_, PyAny>) -> bool {
+        column.extract::<String>().is_ok_and(|column| self.value(&column).is_some())
     }
 
     fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
@@ -143,6 +147,10 @@ impl Slab {
 
     fn __len__(&self) -> usize {
         self.columns.len()
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(not_pickled("Slab", "dict(slab) and copies of its arrays"))
     }
 
     fn __repr__(&self) -> String {

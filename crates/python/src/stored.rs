@@ -1,4 +1,6 @@
 //! Fields of a result file at points, in two or three dimensions.
+//!
+//! Files are read and fields are evaluated without Python: threads of a run may be needed for it, and they may be waiting for Python.
 
 use crate::{CaseError, SolveError, message};
 use numpy::PyReadonlyArray2;
@@ -39,7 +41,11 @@ pub fn spec<'a>(reader: &'a ResultReader, name: &str) -> PyResult<&'a ArraySpec>
 }
 
 /// All coefficients of the array `name` at a step.
-pub fn coefficients(reader: &ResultReader, name: &str, step: isize) -> PyResult<Vec<f64>> {
+pub fn coefficients(py: Python<'_>, reader: &ResultReader, name: &str, step: isize) -> PyResult<Vec<f64>> {
+    py.detach(|| read(reader, name, step))
+}
+
+fn read(reader: &ResultReader, name: &str, step: isize) -> PyResult<Vec<f64>> {
     spec(reader, name)?;
     let number = chosen(step, reader.times.len())?;
     Ok(reader.exact(name, number).map_err(broken)?.unwrap_or_default())
@@ -54,7 +60,7 @@ pub fn positions_of(reader: &ResultReader, name: &str) -> PyResult<&'static str>
 
 /// The field `name` at the end of the slab of a step.
 pub fn field<const D: usize>(reader: &ResultReader, name: &str, step: isize) -> PyResult<StoredField<D>> {
-    let (axes, all) = (lengths(spec(reader, name)?), coefficients(reader, name, step)?);
+    let (axes, all) = (lengths(spec(reader, name)?), read(reader, name, step)?);
     let field = match axes[..] {
         [cells, components, _] => StoredField::new(components, all, cells),
         [cells, times, components, nodes] => {
@@ -80,10 +86,12 @@ pub fn evaluated<const D: usize>(
     step: isize,
     points: &Bound<'_, PyAny>,
 ) -> PyResult<Values> {
-    let points = points_of::<D>(points)?;
-    let field = field::<D>(reader, name, step)?;
-    let finder = CellFinder::new(&self::field::<D>(reader, positions_of(reader, name)?, step)?);
-    Ok((field.at_points(&finder, &points), vec![points.len(), field.components()]))
+    let (py, points) = (points.py(), points_of::<D>(points)?);
+    py.detach(|| {
+        let field = field::<D>(reader, name, step)?;
+        let finder = CellFinder::new(&self::field::<D>(reader, positions_of(reader, name)?, step)?);
+        Ok((field.at_points(&finder, &points), vec![points.len(), field.components()]))
+    })
 }
 
 /// The field `name` at reference points of every cell, `[cell][point][component]`.
@@ -93,8 +101,11 @@ pub fn at_reference<const D: usize>(
     step: isize,
     points: &Bound<'_, PyAny>,
 ) -> PyResult<Values> {
-    let (points, field) = (points_of::<D>(points)?, field::<D>(reader, name, step)?);
-    Ok((field.at_reference(&points), vec![field.cells(), points.len(), field.components()]))
+    let (py, points) = (points.py(), points_of::<D>(points)?);
+    py.detach(|| {
+        let field = field::<D>(reader, name, step)?;
+        Ok((field.at_reference(&points), vec![field.cells(), points.len(), field.components()]))
+    })
 }
 
 /// det J of the positions `name` at reference points of every cell, `[cell][point]`.
@@ -104,11 +115,15 @@ pub fn determinants<const D: usize>(
     step: isize,
     points: &Bound<'_, PyAny>,
 ) -> PyResult<Values> {
-    let (points, field) = (points_of::<D>(points)?, field::<D>(reader, name, step)?);
-    let found = field.determinants(&points).ok_or_else(|| {
-        PyValueError::new_err(format!("the array {name:?} has {} components; a position has {D}", field.components()))
-    })?;
-    Ok((found, vec![field.cells(), points.len()]))
+    let (py, points) = (points.py(), points_of::<D>(points)?);
+    py.detach(|| {
+        let field = field::<D>(reader, name, step)?;
+        let found = field.determinants(&points).ok_or_else(|| {
+            let components = field.components();
+            PyValueError::new_err(format!("the array {name:?} has {components} components; a position has {D}"))
+        })?;
+        Ok((found, vec![field.cells(), points.len()]))
+    })
 }
 
 /// The points of anything that NumPy takes for an array `[point][axis]`.

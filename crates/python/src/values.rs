@@ -26,7 +26,8 @@ fn written(value: &Bound<'_, PyAny>, depth: usize) -> PyResult<String> {
         return Ok(value.str()?.to_string());
     }
     if value.is_instance_of::<PyFloat>() {
-        return Ok(format!("{:?}", value.extract::<f64>()?));
+        // TOML writes inf and nan in small letters.
+        return Ok(format!("{:?}", value.extract::<f64>()?).to_lowercase());
     }
     if value.is_instance_of::<PyString>() {
         return quoted(&value.extract::<String>()?);
@@ -43,7 +44,12 @@ fn written(value: &Bound<'_, PyAny>, depth: usize) -> PyResult<String> {
     }
     // A number of NumPy becomes one of Python, unless Python has no such number.
     match value.call_method0("item") {
-        Ok(item) if !item.get_type().is(value.get_type()) => written(&item, depth + 1),
+        Ok(item) if !item.get_type().is(value.get_type()) => return written(&item, depth + 1),
+        _ => {}
+    }
+    // An array of NumPy becomes a list.
+    match value.call_method0("tolist") {
+        Ok(list) if list.is_instance_of::<PyList>() => written(&list, depth + 1),
         _ => Err(PyTypeError::new_err(format!("{} is no value of a case file", value.repr()?))),
     }
 }

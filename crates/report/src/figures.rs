@@ -28,7 +28,7 @@ const SECTIONS: [(&str, &str); 15] = [
 
 /// Tables of all figures.
 pub fn tables(run: &RunFiles) -> String {
-    let figures = run.summary.clone().unwrap_or_else(|| so_far(&run.history));
+    let figures = run.summary.clone().unwrap_or_else(|| so_far(run.slabs(), &run.history));
     let mut sections: Vec<(String, Vec<(String, Value)>)> = Vec::new();
     for (key, value) in figures.as_object().into_iter().flatten() {
         let section = if value.is_object() { key.as_str() } else { "run" };
@@ -44,13 +44,17 @@ pub fn tables(run: &RunFiles) -> String {
     sections.iter().map(|(name, rows)| table(name, rows)).collect()
 }
 
-/// The figures in the history of a run without a summary.
-fn so_far(history: &HistoryTable) -> Value {
+/// The figures in the history of a run without a summary, after so many `slabs`. As in the summary, totals are those of slabs: the search for
+/// a steady flow at the start, a row without length, is none.
+fn so_far(slabs: usize, history: &HistoryTable) -> Value {
+    let lengths = history.column("dt").unwrap_or_default();
     let last = |name: &str| history.column(name).and_then(|column| column.last().copied());
-    let sum = |name: &str| history.column(name).map(|column| column.iter().sum::<f64>() as u64);
+    let total =
+        |column: Vec<f64>| column.iter().zip(&lengths).filter(|(_, dt)| **dt > 0.0).map(|(n, _)| n).sum::<f64>();
+    let sum = |name: &str| history.column(name).map(|column| total(column) as u64);
     let least = |name: &str| history.column(name).map(|column| column.into_iter().fold(f64::INFINITY, f64::min));
     let mut figures = json!({
-        "slabs": history.len(), "time": last("t"),
+        "slabs": slabs, "time": last("t"),
         "newton": { "total": sum("newton") },
         "krylov": { "total": sum("krylov"), "elasticity_total": sum("elasticity_iterations") },
         "mesh_quality": {
@@ -121,6 +125,17 @@ pub fn shown(value: &Value) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// It counted as a slab, with its Newton steps.
+    #[test]
+    fn the_search_for_a_steady_flow_is_no_slab() {
+        let columns = ["t", "dt", "newton", "krylov"].map(str::to_owned).to_vec();
+        let rows = vec![0.0, 0.0, 9.0, 90.0, 0.5, 0.5, 2.0, 20.0, 1.0, 0.5, 3.0, 30.0];
+        let figures = so_far(2, &HistoryTable { columns, rows });
+        assert_eq!(figures["newton"]["total"], 5);
+        assert_eq!(figures["krylov"]["total"], 50);
+        assert_eq!((&figures["slabs"], &figures["time"]), (&json!(2), &json!(1.0)));
+    }
 
     #[test]
     fn a_section_without_a_title_has_its_name() {

@@ -170,8 +170,9 @@ fn write_frames(
 /// The name of the file of a movie or a picture.
 fn file_name(&Scenario { field, window, format, .. }: &Scenario, ending: &str) -> String {
     let ending = format!("{ending}.{}", format.ending());
-    let word =
-        |name: &str| name.split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty()).collect::<Vec<_>>().join("_");
+    // Signs and points tell windows apart.
+    let parts = |c: char| !c.is_alphanumeric() && !"-.=".contains(c);
+    let word = |name: &str| name.split(parts).filter(|w| !w.is_empty()).collect::<Vec<_>>().join("_");
     window.map_or_else(|| format!("{field}{ending}"), |window| format!("{field}_{}{ending}", word(window)))
 }
 
@@ -206,6 +207,7 @@ mod tests {
         assert_eq!(name(None, ""), "mach.png");
         assert_eq!(name(Some("moving with the walls"), ""), "mach_moving_with_the_walls.png");
         assert_eq!(name(Some("vortices, along y"), "_last"), "mach_vortices_along_y_last.png");
+        assert_eq!(name(Some("-2,-1.5,3,1"), ""), "mach_-2_-1.5_3_1.png", "it replaced that of 2,-15,3,1");
         let gif = Scenario { field: "mach", format: MovieFormat::Gif, ..Scenario::default() };
         assert_eq!(file_name(&gif, ""), "mach.gif");
     }

@@ -246,7 +246,7 @@ fn a_picture_shows_the_last_step() {
     let scenario = Scenario { field: "vorticity", window: Some("y=0.1"), width: Some(300), ..Scenario::default() };
     let picture = report::write_picture(directory.path(), &scenario).unwrap();
     let name = picture.path.file_name().unwrap().to_str();
-    assert_eq!((picture.frames, name), (1, Some("vorticity_y_0_1_last.png")));
+    assert_eq!((picture.frames, name), (1, Some("vorticity_y=0.1_last.png")));
     let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(picture.path).unwrap()));
     let reader = decoder.read_info().unwrap();
     assert!(reader.info().animation_control.is_none() && reader.info().width.abs_diff(300) < 3);

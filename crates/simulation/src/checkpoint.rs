@@ -2,6 +2,7 @@
 
 use crate::error::Failure;
 use case::Time;
+use coupled::blocks::Counts;
 use coupled::preconditioner::{Ordering, TimeScales};
 use coupled::{Interval, JacobianReusePolicy, Linearisation, Past, State};
 use output::{Arrays, SolverState};
@@ -55,6 +56,21 @@ pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> Solv
         put("frozen.stage_ends", ordering.stage_ends().into_iter().map(|end| end as f64).collect());
     }
     out
+}
+
+/// The array with what rejected attempts at the next slab have cost.
+const ATTEMPTS: &str = "attempts";
+
+/// Adds what rejected attempts at the next slab have cost. Its report contains that.
+pub fn store_attempts(stored: &mut SolverState, counts: Counts) {
+    let numbers: Vec<f64> = counts.numbers().map(|number| number as f64).to_vec();
+    stored.arrays.insert(ATTEMPTS.to_owned(), numbers.into());
+}
+
+/// The counts of [`store_attempts`], if there are some.
+pub fn attempts(stored: &SolverState) -> Option<Counts> {
+    let numbers = <[f64; 6]>::try_from(&stored.arrays.get(ATTEMPTS)?[..]).ok()?;
+    Some(Counts::from_numbers(numbers.map(|number| number as usize)))
 }
 
 /// Reads back the data of [`store`]: the state, the linearisation of the preconditioner, and whether it is stale.

@@ -7,7 +7,7 @@ use super::history;
 use super::statistics::RunStatistics;
 use crate::error::Failure;
 use case::{Case, Control};
-use output::SolverState;
+use output::{Arrays, SolverState};
 
 /// The names of the arrays of a checkpoint.
 const NOW: &str = "controls";
@@ -41,6 +41,27 @@ fn set<const D: usize>(case: &Case<D>, values: Option<&[f64]>) {
     }
 }
 
+/// Gives every control of `case` its values in `arrays`, the sums of an earlier run with the columns `there`; the initial one if that did not have
+/// it. The columns of controls are the last ones.
+pub fn carry<const D: usize>(case: &Case<D>, there: &[String], arrays: &mut Arrays) {
+    for name in [NOW, OF_PRECONDITIONER] {
+        let Some(values) = arrays.get_mut(&format!("statistics.{name}")).filter(|values| !values.is_empty()) else {
+            continue;
+        };
+        let names = &there[there.len().saturating_sub(values.len())..];
+        let value = |control: &Control| {
+            let place = names.iter().position(|name| *name == column(control));
+            place.map_or(control.initial, |place| values[place])
+        };
+        *values = case.controls.iter().map(value).collect::<Vec<f64>>().into();
+    }
+}
+
+/// The column of history.csv with the values of `control`.
+pub fn column(control: &Control) -> String {
+    format!("control_{}", control.name)
+}
+
 /// The numbers of the columns of history.csv that controls need; None where there is no such column.
 pub struct Columns {
     time: Option<usize>,
@@ -67,13 +88,13 @@ impl Columns {
 /// The values after the slab that has entered `row` into history.csv: (control).
 ///
 /// # Errors
-/// A value that is no number.
+/// A value that is no number. The controls then keep theirs.
 pub fn update<const D: usize>(
     case: &Case<D>,
     columns: &Columns,
     row: &[f64],
     statistics: &mut RunStatistics,
-) -> Result<(), Failure> {
+) -> anyhow::Result<()> {
     if case.controls.is_empty() || case.flow.is_none() {
         return Ok(());
     }
@@ -87,11 +108,10 @@ pub fn update<const D: usize>(
     let values: Vec<f64> = controls.map(|(control, measured)| control.next(*measured, t, dt)).collect();
     if let Some(wrong) = values.iter().position(|value| !value.is_finite()) {
         let Control { name, measure, .. } = &case.controls[wrong];
-        return Err(Failure::solve(anyhow::anyhow!(
-            "the control `{name}` is {} after {measure} = {}: `controls.{name}.rate` must be a finite number",
-            values[wrong],
-            measured[wrong]
-        )));
+        let (value, measured) = (values[wrong], measured[wrong]);
+        anyhow::bail!(
+            "the control `{name}` is {value} after {measure} = {measured} at t = {t}: what it measures must be finite, and its rate"
+        )
     }
     set(case, Some(&values));
     statistics.controls = values;

@@ -133,10 +133,7 @@ where
         steady: &Steady,
         march: &mut FlowMarch<D, M>,
     ) -> Result<SteadyFlow<M>, SteadyError> {
-        self.orders.give(Order::SearchSteadyFlow, None);
-        let found = steady_search::search(case, flow, steady, march);
-        parts::join_state(march, &mut self.state);
-        found
+        self.search(Order::SearchSteadyFlow, march, |march| steady_search::search(case, flow, steady, march))
     }
 
     /// Has all ranks let bodies go from the steady flow.
@@ -150,10 +147,22 @@ where
         steady: &Steady,
         march: &mut FlowMarch<D, M>,
     ) -> anyhow::Result<Equilibrium<M>> {
-        self.orders.give(Order::ReleaseBodies, None);
-        let found = steady_search::release_bodies(case, flow, steady, march);
-        parts::join_state(march, &mut self.state);
+        let release = |march: &mut _| steady_search::release_bodies(case, flow, steady, march);
+        let found = self.search(Order::ReleaseBodies, march, release);
         self.operator.set_displacement(&self.state.d);
+        found
+    }
+
+    /// Has all ranks take part in a search, and joins the state that it leaves.
+    fn search<R>(
+        &mut self,
+        order: Order,
+        march: &mut FlowMarch<D, M>,
+        find: impl FnOnce(&mut FlowMarch<D, M>) -> R,
+    ) -> R {
+        self.orders.give(order, None);
+        let found = find(march);
+        parts::join_state(march, &mut self.state);
         found
     }
 
@@ -294,15 +303,12 @@ where
                 controls::set_for_preconditioner(case, Some(&stored));
                 restore(case, &mut flow, &stored, march);
             }
-            (Order::SearchSteadyFlow, Some(march)) => {
+            (Order::SearchSteadyFlow | Order::ReleaseBodies, Some(march)) => {
                 if let Some(steady) = &case.solver.steady {
-                    let _ = steady_search::search(case, &flow, steady, march);
-                }
-                parts::join_state(march, &mut coupled::State::new(0.0, Vec::new(), Vec::new()));
-            }
-            (Order::ReleaseBodies, Some(march)) => {
-                if let Some(steady) = &case.solver.steady {
-                    let _ = steady_search::release_bodies(case, &flow, steady, march);
+                    let _ = match order {
+                        Order::ReleaseBodies => steady_search::release_bodies(case, &flow, steady, march).err(),
+                        _ => steady_search::search(case, &flow, steady, march).err().map(Into::into),
+                    };
                 }
                 parts::join_state(march, &mut coupled::State::new(0.0, Vec::new(), Vec::new()));
             }

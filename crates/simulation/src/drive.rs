@@ -126,7 +126,11 @@ pub(super) trait Run {
     fn falls_back_after(&self, _error: &anyhow::Error) -> bool {
         false
     }
-    /// Begins the balances anew, after the run was restored in the more robust way.
+    /// Whether the start that it needs first is still missing in the run with these `statistics`.
+    fn awaits_start(&self, _statistics: &RunStatistics) -> bool {
+        false
+    }
+    /// Begins the balances anew, after the run was restored with other integrals of the same flow.
     fn begin_balances(&mut self, _statistics: &mut RunStatistics) {}
     /// Velocities and flow at the start, at every time node, laid out like those of a slab.
     fn slab_at_start(&self) -> [Vec<f64>; 2];
@@ -210,10 +214,15 @@ fn drive_in<const D: usize, const M: usize, R: Run>(
     let (mut recorder, resumed) = Recorder::<D, M>::start(session, case, mesh, destination.is_resumed(), origin_state)?;
     origin.iter().flat_map(|start| &start.warnings).for_each(|warning| tracing::warn!("{warning}"));
     failure::clear(session.directory.path())?;
-    let statistics = restore(&mut run, resumed.as_ref().or(origin_state), case)?;
+    let mut statistics = restore(&mut run, resumed.as_ref().or(origin_state), case)?;
+    if resumed.is_none() && origin.is_some_and(|start| start.is_measured_anew) {
+        run.begin_balances(&mut statistics);
+    }
+    // A run whose search for the steady flow has failed has not begun.
+    let has_begun = resumed.is_some() && !run.awaits_start(&statistics);
     let coupled::State { time, slab: slabs, .. } = *run.state();
     let reached = cuts::Reached { time, slabs, is_end: run.is_done() };
-    cuts::begin(case, session.directory.path(), resumed.as_ref().map(|_| reached))?;
+    cuts::begin(case, session.directory.path(), has_begun.then_some(reached))?;
     let mut context = RunContext::new(case, run.state().time, session, begun, statistics);
     if resumed.is_some() && run.state().time > case.time.end + 1e-9 * case.time.step {
         let (time, end) = (rounded_time(run.state().time), case.time.end);
@@ -222,9 +231,9 @@ fn drive_in<const D: usize, const M: usize, R: Run>(
     if let Some(start) = origin.filter(|_| case.output.surfaces_every.is_some()) {
         continue_surfaces(&run, &mut recorder, &start.surfaces)?;
     }
-    let stop = match resumed {
-        None => begin(&mut run, &mut recorder, &mut context, session.directory.path())?,
-        Some(_) => None,
+    let stop = match has_begun {
+        false => begin(&mut run, &mut recorder, &mut context, session.directory.path())?,
+        true => None,
     };
     let stop = match stop {
         None => run_slabs(case, &mut run, &mut recorder, &mut context, session)?,
@@ -333,10 +342,14 @@ fn restore<const D: usize>(
     controls::set_for_preconditioner(case, stored);
     let Some(stored) = stored else { return Ok(RunStatistics::default()) };
     run.restore(stored).ok_or_else(checkpoint::incomplete)?;
-    let walls = case.flow.as_ref().map_or(0, |flow| flow.walls.len());
-    let statistics = RunStatistics::from_arrays(&stored.arrays, walls).ok_or_else(checkpoint::incomplete)?;
+    let statistics = RunStatistics::from_arrays(&stored.arrays, walls(case)).ok_or_else(checkpoint::incomplete)?;
     controls::set_present(case, &statistics);
     Ok(statistics)
+}
+
+/// The number of walls of the flow.
+fn walls<const D: usize>(case: &Case<D>) -> usize {
+    case.flow.as_ref().map_or(0, |flow| flow.walls.len())
 }
 
 /// Runs the remaining slabs; returns why it stopped before its end, if it did.
@@ -356,7 +369,10 @@ fn run_slabs<const D: usize, const M: usize>(
         match run.advance() {
             Ok(Some(report)) => {
                 given_up = None;
-                finish_slab(case, run, &report, recorder, context, session.directory.path())?;
+                let of_controls = finish_slab(case, run, &report, recorder, context, session.directory.path())?;
+                if let Err(error) = of_controls {
+                    return Ok(Some(Stop::Failed(error, None)));
+                }
             }
             Ok(None) if is_held(run) && !was_held => recorder.checkpoint(run.store(), &context.statistics)?,
             Ok(None) => {}
@@ -369,6 +385,7 @@ fn run_slabs<const D: usize, const M: usize>(
     Ok(None)
 }
 
+/// Writes what a slab has given. Returns the error of the controls, if one of them has no value for the next slab.
 fn finish_slab<const D: usize, const M: usize, R: Run>(
     case: &Case<D>,
     run: &R,
@@ -376,11 +393,11 @@ fn finish_slab<const D: usize, const M: usize, R: Run>(
     recorder: &mut Recorder<D, M>,
     context: &mut RunContext,
     directory: &Path,
-) -> Result<(), Failure> {
+) -> Result<anyhow::Result<()>, Failure> {
     context.slabs += 1;
     let row = [run.enter(report, context), controls::values(case)].concat();
     recorder.history.push(&row)?;
-    controls::update(case, &context.control_columns, &row, &mut context.statistics)?;
+    let of_controls = controls::update(case, &context.control_columns, &row, &mut context.statistics);
     let coupled::State { slab, time, d: displacement, past, .. } = run.state();
     if let Some(Past { v: velocities, u: flow, .. }) = past
         && (slab.is_multiple_of(case.output.every) || run.is_done())
@@ -397,5 +414,5 @@ fn finish_slab<const D: usize, const M: usize, R: Run>(
     if recorder.is_checkpoint_due() && !is_held(run) {
         recorder.checkpoint(run.store(), &context.statistics)?;
     }
-    Ok(())
+    Ok(of_controls)
 }

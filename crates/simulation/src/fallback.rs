@@ -28,15 +28,15 @@ pub fn split_form<const D: usize>(case: &Case<D>, flow: &Flow<D>) -> Option<Flow
     flow.in_split_form(&case.mesh).filter(|_| case.solver.fallback == Fallback::SplitForm)
 }
 
-/// `stored`, the state before a slab that could not be solved, as one from which the flow goes on in a split form.
-pub fn in_split_form(mut stored: SolverState) -> SolverState {
+/// `stored`, the state before a slab that could not be solved after `rejected` attempts, as one from which the flow goes on in a split form.
+pub fn in_split_form(mut stored: SolverState, rejected: usize) -> SolverState {
     let time = stored.arrays.get("time").cloned().unwrap_or_default();
     stored.arrays.insert(SINCE.into(), time);
     // The whole slab is tried again; the carried determinants and the preconditioner were those of another quadrature.
-    let goes = |name: &str| name.starts_with("frozen.") || ["failed", "determinants"].contains(&name);
+    let goes = |name: &str| name.starts_with("frozen.") || ["failed", "determinants", "attempts"].contains(&name);
     stored.arrays.retain(|name, _| !goes(name));
     stored.arrays.insert("pending".into(), Vec::new().into());
-    stored.integers.insert("stale".into(), 1);
+    stored.integers.extend([("stale".into(), 1), ("rejected".into(), rejected as i64)]);
     stored
 }
 

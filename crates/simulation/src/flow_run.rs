@@ -23,7 +23,7 @@ use crate::error::Failure;
 use crate::observer::{Observer, SlabDone};
 use crate::session::Session;
 use basis::Rule;
-use case::{Averages, Case, Flow, State};
+use case::{Averages, Case, Flow, State, Wall};
 use coupled::block::BodyState;
 use coupled::{FlowMarch, MarchError, SlabError, SlabReport};
 use fem::{SlabOperator, StateField};
@@ -193,7 +193,7 @@ where
         }
         let reader = ResultReader::open(&directory.join(RESULT_FILE))?;
         let (order, rule) = (self.flow.order, &self.surface_rule);
-        for (array, values) in present {
+        for (wall, (array, values)) in self.listed_walls().zip(present) {
             let stored = reader.series(&array.name)?.filter(|series| series.array == array);
             let mut series = stored.unwrap_or_else(|| Series { array, times: Vec::new(), values: Vec::new() });
             if series.times.last() != Some(&time) {
@@ -201,12 +201,23 @@ where
                 series.values.extend(values);
             }
             surfaces::write(directory, D, &series, rule, order.max(self.case.mesh.order()))?;
-            if let Some(averages) = &self.case.averages {
-                let interval = [averages.from, averages.to.unwrap_or(f64::INFINITY)];
-                surfaces::write_means(directory, D, &series, interval)?;
-            }
+            self.write_means(directory, wall, &series)?;
         }
         Ok(())
+    }
+
+    /// Writes the means along a wall, if the case averages over time and has distributions at several times: one alone has no mean.
+    fn write_means(&self, directory: &Path, wall: &Wall<D>, series: &Series) -> anyhow::Result<()> {
+        let (Some(averages), Some(_)) = (&self.case.averages, self.case.output.surfaces_every) else { return Ok(()) };
+        let interval = [averages.from, averages.to.unwrap_or(f64::INFINITY)];
+        let mover = &self.march.solver.system.mesh.mover;
+        let curves = surfaces::curves_of(&mover.reference, &mover.numbering, wall.boundary);
+        Ok(surfaces::write_means(directory, D, series, interval, &curves)?)
+    }
+
+    /// The walls with distributions.
+    fn listed_walls(&self) -> impl Iterator<Item = &Wall<D>> {
+        self.flow.walls.iter().filter(|wall| self.case.output.surfaces.contains(&wall.name))
     }
 }
 
@@ -237,7 +248,10 @@ where
     fn falls_back_after(&self, error: &anyhow::Error) -> bool {
         let cause = error.downcast_ref::<MarchError>().map(|error| &error.source);
         let is_of_flow = cause.is_some_and(|cause| cause.is_of_flow() || matches!(cause, SlabError::Guess(_)));
-        is_of_flow && self.state().slab > 0 && self.can_fall_back()
+        is_of_flow && self.can_fall_back()
+    }
+    fn awaits_start(&self, statistics: &RunStatistics) -> bool {
+        self.case.solver.steady.is_some() && self.state().slab == 0 && statistics.steady.is_none()
     }
     fn begin_balances(&mut self, statistics: &mut RunStatistics) {
         let d = self.state().d.clone();
@@ -257,7 +271,7 @@ where
     fn open(&mut self, context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
         // A run that continues another one does not search the steady flow again, unless its orders differ.
         let row = match &self.case.solver.steady {
-            Some(steady) if self.state().slab == 0 && context.statistics.steady.is_none() => {
+            Some(steady) if self.awaits_start(&context.statistics) => {
                 Some(self.start_from_steady_flow(steady, context)?)
             }
             _ => None,
@@ -293,16 +307,22 @@ where
     }
 
     fn store(&self) -> SolverState {
-        if let Some(crew) = &self.crew {
-            return crew.store(&self.march);
-        }
-        let lagged_preconditioner = &self.march.solver.system.flow.preconditioner;
-        checkpoint::store(&self.march.state, lagged_preconditioner.frozen(), lagged_preconditioner.stale)
+        let system = &self.march.solver.system;
+        let preconditioner = &system.flow.preconditioner;
+        let mut stored = match &self.crew {
+            Some(crew) => crew.store(&self.march),
+            None => checkpoint::store(&self.march.state, preconditioner.frozen(), preconditioner.stale),
+        };
+        checkpoint::store_attempts(&mut stored, system.counts());
+        stored
     }
 
     fn restore(&mut self, stored: &SolverState) -> Option<()> {
         let (state, frozen, stale) = checkpoint::load(stored, &self.case.time)?;
         let (cells, march) = (self.state().u.len(), &mut self.march);
+        if let Some(counts) = checkpoint::attempts(stored) {
+            march.solver.system.set_counts(counts);
+        }
         if state.u.len() != cells || state.d.len() != march.state.d.len() || !march.has_bodies_of(&state) {
             return None;
         }
@@ -360,8 +380,7 @@ where
             state: &|cell| &state.u[one.cell(cell)],
             rule: &self.surface_rule,
         };
-        let wanted = |wall: &&case::Wall<D>| self.case.output.surfaces.contains(&wall.name);
-        self.flow.walls.iter().filter(wanted).map(|wall| surfaces.of_wall::<M>(wall)).collect()
+        self.listed_walls().map(|wall| surfaces.of_wall::<M>(wall)).collect()
     }
 
     fn judge(&self, context: &RunContext, session: &Session) -> Result<(), Failure> {

@@ -1,6 +1,7 @@
 //! The columns of history.csv, and its rows.
 
 use super::bodies;
+use super::controls;
 use super::openings::is_opening;
 use super::statistics::{EnergyBalance, RunStatistics};
 use super::walls::{WallLoads, from_numbers};
@@ -62,7 +63,7 @@ pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
     columns.extend(opening_states::columns(case));
     columns.extend(probes::columns(case));
     columns.extend(case.output.integrals.iter().map(|integral| integral_name(*integral).to_owned()));
-    columns.extend(case.controls.iter().map(|control| format!("control_{}", control.name)));
+    columns.extend(case.controls.iter().map(controls::column));
     columns
 }
 
@@ -172,7 +173,9 @@ pub fn row<const D: usize, const M: usize>(
     row.extend([counts.rebuilds as f64, report.rejected as f64]);
     let (held, created) =
         (Conserved::<f64, D>::unpack::<M>(&from_fn(|m| totals[m])), statistics.balances::<D, M>(totals));
-    row.extend([held.density, created.density, held.energy, created.energy]);
+    let known = |error: f64, is_known: bool| if is_known { error } else { f64::NAN };
+    row.extend([held.density, known(created.density, flow.conserves_mass())]);
+    row.extend([held.energy, known(created.energy, flow.source.is_none())]);
     let totals = |wall: usize| from_numbers(statistics.impulses.get(wall).map_or(&[][..], Vec::as_slice));
     let walls = flow.walls.iter().zip(loads).enumerate();
     row.extend(walls.flat_map(|(number, (wall, loads))| row_of_wall(wall, loads, &totals(number))));

@@ -177,6 +177,9 @@ mod surfaces;
 mod tests;
 mod walls;
 
+/// More threads than any machine has cores. Thousands take minutes to start.
+pub const MOST_THREADS: u16 = 1024;
+
 pub use build::{PrescribedNode, march, march_with_motion, mover, structure_march};
 pub use cell_finder::CellFinder;
 pub use controls::check as check_controls;

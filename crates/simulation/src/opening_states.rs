@@ -7,7 +7,8 @@
 //! ```
 //!
 //! for an observer at rest, with the velocities w of the gas and v of the boundary: total pressure, total temperature, static pressure, normal
-//! velocity. A case with one inflow and one outflow has a loss.
+//! velocity. A case with one inflow and one outflow has a loss. The weight is the signed mass flow: gas that flows back counts negatively. With
+//! backflow <q> may therefore lie outside of the values on the boundary, and it has no limit where the mass flow vanishes.
 
 use super::history::openings;
 use case::{Case, Flow};
@@ -50,7 +51,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// The means, in the order of [`NAMES`].
+    /// The means, in the order of [`NAMES`]. Their weights are signed, so that with backflow they may lie outside of the values that they average.
     fn means(&self) -> [f64; NAMES.len()] {
         let [total_pressure, total_temperature, pressure] = self.carried.map(|sum| sum / self.mass);
         [total_pressure, total_temperature, pressure, self.volume / self.area]

@@ -7,7 +7,7 @@ mod mesh_view;
 pub use mesh_view::MeshView;
 
 use super::averages::fields::{self as averages, AverageFields};
-use super::averages::{AverageSums, Averaged};
+use super::averages::{AverageSums, Averaged, FILES as FILES_OF_AVERAGES};
 use super::bodies::beside_flow;
 use super::build::solid;
 use super::history::columns;
@@ -107,16 +107,22 @@ fn history_after(
     session: &Session<'_>,
     columns: &[String],
 ) -> Result<History, OutputError> {
-    let rows = before.and_then(|before| before.arrays.get("history")).map_or(&[][..], |rows| &rows[..]);
+    let rows = before.and_then(|before| before.arrays.get(HISTORY)).map_or(&[][..], |rows| &rows[..]);
     History::create(&session.directory, columns, rows)
 }
+
+/// The array of a checkpoint with the rows of history.csv, and the text with the names of its columns.
+pub const HISTORY: &str = "history";
+/// See [`HISTORY`].
+pub const COLUMNS: &str = "history_columns";
 
 /// Name of the log in the output directory.
 pub const LOG_FILE: &str = "log.jsonl";
 
-/// Files of an earlier run that are not results. Where records are logged, the first one replaces the log.
+/// Files of an earlier run beside its result: those of averages, the report and the log. Where records are logged, the first one replaces the log.
 fn others_to_clear() -> Vec<&'static str> {
-    if tracing::enabled!(tracing::Level::INFO) { vec![REPORT_FILE] } else { vec![REPORT_FILE, LOG_FILE] }
+    let log = (!tracing::enabled!(tracing::Level::INFO)).then_some(LOG_FILE);
+    FILES_OF_AVERAGES.into_iter().chain([REPORT_FILE]).chain(log).collect()
 }
 
 impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
@@ -257,7 +263,8 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     pub fn checkpoint(&mut self, mut state: SolverState, statistics: &RunStatistics) -> Result<(), Failure> {
         let _timed = tracing::trace_span!(target: "cost", "output").entered();
         state.arrays.extend(statistics.to_arrays());
-        state.arrays.insert("history".into(), self.history.rows().to_vec().into());
+        state.arrays.insert(HISTORY.into(), self.history.rows().to_vec().into());
+        state.texts.insert(COLUMNS.into(), output::header(&self.told.columns));
         self.slabs_since_checkpoint = 0;
         Ok(self.result.checkpoint(&state)?)
     }

@@ -1,106 +1,25 @@
 //! A run that starts from the result of another one.
 
-use super::history::columns;
+mod carried;
+mod error;
+
+pub use error::RestartError;
+
 use super::statistics::RunStatistics;
-use super::walls::numbers_per_wall;
 use super::{bodies, checkpoint, fallback, motion_jump};
 use crate::error::Failure;
-use case::{AllowedChange, Case, Flow, Time, gas_of, motion_of, reference_pressure_of};
+use case::{AllowedChange, Case, Flow, Time, bodies_of, gas_of, motion_of, quadrature_of, reference_pressure_of};
 use coupled::block::BodyState;
 use coupled::{Linearisation, MeshMotion, MeshMover, State, is_before};
 use fem::{Layout, Orders};
 use mesh::{Mesh, NodeNumbering};
 use navier_stokes::Conserved;
-use output::{Arrays, RESULT_FILE, RestMesh, ResultReader, Series, SolverState};
+use output::{RESULT_FILE, RestMesh, ResultReader, Series, SolverState};
 use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The remedy if the gas differs.
 const ALLOW: &str = "; `restart.allow = [\"viscosity\"]`, or \"mach\", if it is to change";
-
-/// Why a case cannot start from a result.
-#[derive(Debug, thiserror::Error)]
-pub enum RestartError {
-    /// The file does not exist.
-    #[error("`restart.from` names `{path}`, which does not exist; it is looked for beside the case file")]
-    Missing {
-        /// The path of the file.
-        path: PathBuf,
-    },
-    /// The case in the file cannot be read.
-    #[error("the case in `{path}` cannot be read, it is of another version of the program: {reason}")]
-    Unreadable {
-        /// The result file.
-        path: PathBuf,
-        /// The mismatch.
-        reason: String,
-    },
-    /// A quantity that must be equal is not.
-    #[error("this case cannot start from `{path}`: {quantity} there: {there}; here: {here}")]
-    Differs {
-        /// The result file.
-        path: PathBuf,
-        /// The quantity.
-        quantity: &'static str,
-        /// Its value in the file.
-        there: String,
-        /// Its value in this case.
-        here: String,
-    },
-    /// The boundary would jump.
-    #[error(
-        "this case cannot start from `{path}`: at t = {time} the point at {position:?} is displaced by {there:?} there, and the motion of \
-         this case puts it at {here:?}, {distance:.3e} away; change `[motion]`, and the constants and tables in it, so that the motion \
-         goes on from there, or start anew"
-    )]
-    MotionJumps {
-        /// The result file.
-        path: PathBuf,
-        /// The time reached there.
-        time: f64,
-        /// A point of the mesh at rest.
-        position: Vec<f64>,
-        /// Its displacement in the file.
-        there: Vec<f64>,
-        /// Its displacement in this case.
-        here: Vec<f64>,
-        /// Their distance.
-        distance: f64,
-    },
-    /// A body would jump.
-    #[error(
-        "this case cannot start from `{path}`: at t = {time} the coordinate `{coordinate}` of the body `{body}` is {there} there, and its motion in \
-         this case is {here}; change `bodies.{body}.{coordinate}.motion` so that it goes on from there, or start anew"
-    )]
-    BodyJumps {
-        /// The result file.
-        path: PathBuf,
-        /// The time reached there.
-        time: f64,
-        /// The body.
-        body: String,
-        /// Its coordinate.
-        coordinate: &'static str,
-        /// Its value in the file.
-        there: f64,
-        /// Its value in this case.
-        here: f64,
-    },
-    /// The time reached by the run is outside this case.
-    #[error(
-        "this case cannot start from `{path}`: the run there stands at t = {time}, this case covers t = {start} to {end}; change `time.end`"
-    )]
-    Time {
-        /// The result file.
-        path: PathBuf,
-        /// The time reached there.
-        time: f64,
-        /// The start of this case.
-        start: f64,
-        /// Its end.
-        end: f64,
-    },
-}
 
 /// The start of a run that continues another one.
 #[derive(Debug)]
@@ -111,6 +30,10 @@ pub struct Start {
     pub warnings: Vec<String>,
     /// The distributions along walls of the earlier run.
     pub surfaces: Vec<Series>,
+    /// Whether the earlier run has only searched a steady flow, and this one searches another.
+    pub searches_anew: bool,
+    /// Whether the integrals of the flow are others than those with which the balances of the earlier run began.
+    pub is_measured_anew: bool,
 }
 
 /// Checks whether `case` can start from the result that it names, if it names one.
@@ -145,7 +68,8 @@ pub fn read<const D: usize, const M: usize>(
     let (_, stored) = output::read_checkpoint(&path)?;
     let origin = Origin { result: ResultReader::open(&path)?, path, stored };
     let start = origin.continued::<D, M>(case, flow, mover).map_err(Failure::bad_input)?;
-    let names = origin.result.series_names()?;
+    // A run that searches the steady flow anew has none of its distributions.
+    let names = if start.searches_anew { Vec::new() } else { origin.result.series_names()? };
     let surfaces: Result<Vec<_>, _> = names.iter().map(|name| origin.result.series(name)).collect();
     Ok(Some(Start { surfaces: surfaces?.into_iter().flatten().collect(), ..start }))
 }
@@ -176,11 +100,13 @@ impl Origin {
         let (mut state, frozen, stale) = self.loaded::<D, M>(case, mover, from)?;
         self.join_schedule(&mut state, &case.time)?;
         let warnings = self.check_motion(case, mover, &state)?.into_iter().collect();
-        if gas_changed && case.allows(AllowedChange::Mach) {
+        let pressure_changes = gas_changed && case.allows(AllowedChange::Mach);
+        if pressure_changes {
             self.shift_pressure::<D, M>(flow, from.flow, &mut state)?;
         }
-        if state.slab == 0 && (gas_changed || from != to) {
-            // Only the steady flow has been searched so far; the search continues with the new orders and the new gas.
+        // Only the steady flow has been searched so far; the search continues with the new orders and the new gas.
+        let searches_anew = state.slab == 0 && (gas_changed || from != to);
+        if searches_anew {
             sums = RunStatistics::default().to_arrays();
         }
         let mut continued = match from == to {
@@ -188,7 +114,15 @@ impl Origin {
             false => checkpoint::store(&state.transfer(mover, M, from, to), None, false),
         };
         continued.arrays.extend(sums);
-        Ok(Start { state: continued, warnings, surfaces: Vec::new() })
+        let is_measured_anew = pressure_changes || self.has_other_quadrature(case)?;
+        Ok(Start { state: continued, warnings, surfaces: Vec::new(), searches_anew, is_measured_anew })
+    }
+
+    /// Whether the flow of `case` has other integrals over the cells.
+    fn has_other_quadrature<const D: usize>(&self, case: &Case<D>) -> Result<bool, RestartError> {
+        let quadrature = |text: &str| quadrature_of(text).map_err(|reason| self.unreadable(reason));
+        let there = quadrature(&self.result.metadata.case_text)?;
+        Ok(there != quadrature(&case.about.resolved)? || fallback::since(&self.stored.arrays).is_some())
     }
 
     /// The state in the orders of the run, the linearisation of its preconditioner, and whether that is stale.
@@ -259,8 +193,13 @@ impl Origin {
         Ok(true)
     }
 
-    /// The bodies must be as many, with as many coordinates.
+    /// The bodies must be the same, with the same coordinates; structures must be as large.
     fn check_bodies<const D: usize>(&self, case: &Case<D>) -> Result<(), RestartError> {
+        let rigid = |text: &str| bodies_of(text).map_err(|reason| self.unreadable(reason));
+        let (there, here) = (rigid(&self.result.metadata.case_text)?, rigid(&case.about.resolved)?);
+        if there != here {
+            return Err(self.differs("the rigid bodies", there, here));
+        }
         let stored = checkpoint::bodies(&self.stored.arrays, "body");
         let there: Vec<usize> = stored.iter().map(|body| BodyState::coordinates(body)).collect();
         let here = bodies::coordinates(case);
@@ -275,7 +214,7 @@ impl Origin {
     fn check_drives<const D: usize>(&self, case: &Case<D>, state: &State) -> Result<(), RestartError> {
         for (body, stored) in case.bodies.iter().zip(&state.bodies) {
             for (freedom, &there) in body.freedoms.iter().zip(stored) {
-                let is_driven = freedom.release.is_none_or(|release| is_before(state.time, release));
+                let is_driven = freedom.release.is_none_or(|release| is_before(state.time, release, case.time.step));
                 let Some(motion) = freedom.motion.as_ref().filter(|_| is_driven) else { continue };
                 let here = motion.evaluate::<f64>(&[], state.time);
                 if (there - here).abs() > 1e-9 * (1.0 + there.abs().max(here.abs())) {
@@ -347,25 +286,6 @@ impl Origin {
         RestartError::Unreadable { path: self.path.clone(), reason }
     }
 
-    /// The sums and the history of the run, if `case` has the same walls.
-    fn sums<const D: usize>(&self, case: &Case<D>, flow: &Flow<D>) -> Result<Arrays, RestartError> {
-        let len = |name: &str| self.stored.arrays.get(name).map_or(0, |values| values.len());
-        // Empty if nothing has been solved yet.
-        let walls = len("statistics.forces") / numbers_per_wall(D);
-        let has_begun = len("statistics.forces") + len("statistics.left") > 0;
-        if has_begun && walls != flow.walls.len() {
-            return Err(self.differs("the number of walls", walls.to_string(), flow.walls.len().to_string()));
-        }
-        let width = columns(case).len();
-        if !len("history").is_multiple_of(width) {
-            return Err(self.differs("columns of the history", "others", width.to_string()));
-        }
-        // This run has its own quadrature and volume flux.
-        let kept = |name: &str| name == "history" || (name.starts_with("statistics.") && name != fallback::SINCE);
-        let arrays = self.stored.arrays.iter().filter(|(name, _)| kept(name));
-        Ok(arrays.map(|(name, values)| (name.clone(), values.clone())).collect())
-    }
-
     /// The run continues in the slabs of `time`; the next slab may have begun before.
     fn join_schedule(&self, state: &mut State, time: &Time) -> Result<(), RestartError> {
         let round_off = 1e-9 * time.step;
@@ -381,7 +301,8 @@ impl Origin {
         if state.pending.first().is_some_and(|last| (last.end - end).abs() > round_off) {
             state.pending.clear();
         }
-        (state.failed, state.rejected) = (None, 0);
+        // Slabs that adapt begin with the one of the case, or with a shorter one if the flow has needed it.
+        (state.failed, state.rejected, state.step) = (None, 0, state.step.min(time.step));
         Ok(())
     }
 

@@ -57,7 +57,7 @@ pub enum Command {
         #[command(flatten)]
         drawing: DrawingArguments,
         /// The Q of the surfaces that show vortices in three dimensions [default: four fifths of the integral of positive Q lie above it].
-        #[arg(long, value_name = "Q")]
+        #[arg(long, value_name = "Q", value_parser = finite)]
         q_level: Option<f64>,
     },
     /// Print what differs between two runs: keys of their cases, figures, curves.
@@ -130,6 +130,11 @@ impl DrawingArguments {
     }
 }
 
+/// A number that is finite.
+fn finite(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| "a finite number is expected".into())
+}
+
 /// Two numbers with a comma between them.
 fn pair(text: &str) -> Result<[f64; 2], String> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|word| word.trim().parse().ok()).collect();
@@ -170,7 +175,7 @@ pub struct RunArguments {
     #[arg(long, value_name = "DIRECTORY")]
     pub output: Option<PathBuf>,
     /// How many threads to use [default: one per core].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=i64::from(simulation::MOST_THREADS)))]
     pub threads: Option<u16>,
     /// Continue from the checkpoint in the output directory.
     #[arg(long)]

@@ -140,7 +140,9 @@ fn a_restart_from_other_bodies_is_refused() {
     go(&["time.order=3", "time.end=0.8", &from], "second").expect(0, &[]);
     assert_eq!(column(&at.join("second"), "cylinder_y").len(), 4);
     go(&["time.order=2", "time.end=0.8", &from, "bodies.cylinder.x={}"], "refused")
-        .expect(2, &["coordinates of the bodies", "there: [1]; here: [2]"]);
+        .expect(2, &["the rigid bodies there", "`cylinder` with y, walls wall", "`cylinder` with x, y, walls wall"]);
+    go(&["time.order=2", "time.end=0.8", &from, "bodies.cylinder.pivot=[0.1,0]"], "refused")
+        .expect(2, &["about [0.1, 0.0]"]);
     assert!(!at.join("refused").exists());
 }
 
@@ -264,4 +266,35 @@ fn weights_vanish_on_other_bodies_and_are_periodic() {
     "#;
     check(periodic, "the displacement is not periodic");
     check(&periodic.replace("0.1*x*t", "0.1*sin(2*pi*x)*t"), "");
+}
+
+/// The wall of a body that turns was bent in the last layer of cells, where it goes on through a periodic side; a node that a boundary and a body
+/// move went with the sum of both motions.
+#[test]
+fn a_body_alone_moves_its_nodes_to_one_place() {
+    let directory = TempDir::new().unwrap();
+    let check = |periodic: &str, body: &str, message: &str| {
+        let text = format!(
+            r#"
+            mesh = {{ order = 2, generate.box = {{ lower = [0, 0], upper = [2, 1], cells = [4, 2]{periodic} }} }}
+            time = {{ order = 2, end = 0.1, slabs = 1 }}
+            {body}
+            {GAS_AT_REST}
+            "#
+        );
+        std::fs::write(directory.path().join("case.toml"), text).unwrap();
+        stsolve(directory.path(), &["check", "case.toml", "--probe", "never"])
+            .expect(if message.is_empty() { 0 } else { 2 }, &[message]);
+    };
+    let turning = "[bodies.bottom]\nmass = 1\nmoment_of_inertia = 1\nrotation = {}\n";
+    check(", periodic = [\"x\"]", turning, "one node of the mesh by periodicity");
+    check("", turning, "");
+    check(", periodic = [\"x\"]", &turning.replace("rotation", "y"), "");
+    let beside = |motion: &str| {
+        format!(
+            "motion.boundary = {{ top = {{ displacement = [\"0\", \"{motion}\"] }}, others = \"fixed\" }}\n[bodies.left]\nmass = 1\nx = {{}}\n"
+        )
+    };
+    check("", &beside("0.1*t*(2-x)"), "the body `left` moves it, too");
+    check("", &beside("0.1*t*x*(2-x)"), "");
 }

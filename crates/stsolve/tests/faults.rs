@@ -57,7 +57,7 @@ const FAULTS: [Fault; 16] = [
         spoil: &[
             "time.order=2",
             "time.end=1000",
-            "solver={slab_halvings=0,newton_steps=20}",
+            "solver={slab_halvings=0,newton_steps=20,fallback=\"none\"}",
             "flow.gas.viscosity.constant=0.0005",
         ],
         cause: "time_step",

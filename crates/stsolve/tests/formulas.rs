@@ -376,6 +376,35 @@ fn controls_let_a_pulse_of_sound_leave() {
     assert!(returned < 0.1, "{returned}");
 }
 
+/// The run ended without a summary, and the slabs since the last checkpoint were lost. The work of the force was told to be an error of the energy.
+#[test]
+fn a_control_without_a_value_ends_a_run_like_any_failure() {
+    let directory = TempDir::new().unwrap();
+    std::fs::write(directory.path().join("case.toml"), DRIVEN).unwrap();
+    let rate = "controls.force.rate=\"log(1.25 - t)\"";
+    let arguments = ["run", "case.toml", "--quiet", "--output", "run", "--set", rate, "--set", "time.end=10"];
+    stsolve(directory.path(), &arguments).expect(1, &["the run stopped at t = 1.5", "the control `force` is NaN"]);
+    let run = directory.path().join("run");
+    assert_eq!((column(&run, "t"), &summary(&run)["completed"]), (vec![0.5, 1.0, 1.5], &false.into()));
+    assert!(column(&run, "energy_error").iter().all(|error| error.is_nan()));
+    assert!(column(&run, "mass_error").iter().all(|error| error.abs() < 1e-12));
+}
+
+/// A control took the value that another one had in the same place.
+#[test]
+fn a_restart_finds_its_controls_by_their_names() {
+    let directory = TempDir::new().unwrap();
+    run(directory.path(), DRIVEN, &["time.end=2"], "first");
+    let last = |run: &str, name: &str| *column(&directory.path().join(run), name).last().unwrap();
+    let other =
+        DRIVEN.replace("\"force\"", "\"push\"").replace("controls.force", "controls.push").replace("0.1*(", "0*(");
+    let from = "restart.from=\"first\"";
+    run(directory.path(), &other, &["time.end=3", from, "controls.push.initial=0.25"], "second");
+    assert_eq!(last("second", "control_push"), 0.25);
+    run(directory.path(), DRIVEN, &["time.end=2.5", from], "third");
+    assert!(last("third", "control_force") > last("first", "control_force"));
+}
+
 #[test]
 fn a_control_of_an_unknown_column_is_refused() {
     let directory = TempDir::new().unwrap();

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{assert_same_bits, column, number, on_case, summary};
+use common::{Surface, assert_same_bits, column, number, on_case, summary};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -64,6 +64,34 @@ fn a_restart_with_other_orders_keeps_mass_and_energy() {
         error("5")
     );
     assert!(error("4") < error("lower") && error("5") < error("lower"));
+}
+
+/// Rows stood below the names of other columns, or were cut at wrong places.
+#[test]
+fn a_restart_finds_its_columns_by_their_names() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    run(at, &["output.integrals=[\"kinetic_energy\"]"], 0.8, "first").expect(0, &[]);
+    run(at, &["output.integrals=[\"entropy\",\"kinetic_energy\"]", &from(at, "first")], 1.6, "second").expect(0, &[]);
+    let of = |run: &str, name: &str| column(&at.join(run), name);
+    assert_eq!(of("second", "kinetic_energy")[..2], of("first", "kinetic_energy"));
+    assert_eq!(of("second", "energy")[..2], of("first", "energy"));
+    assert_eq!(of("second", "entropy").iter().map(|s| s.is_nan()).collect::<Vec<_>>(), [true, true, false, false]);
+}
+
+/// The integrals by other points differ by much more than a scheme may lose.
+#[test]
+fn a_restart_with_another_quadrature_begins_its_balances_anew() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let [exactly, lower] = ["solver.newton_tolerance=1e-13", "flow.order=3"];
+    run(at, &[exactly, lower], 0.8, "first").expect(0, &[]);
+    run(at, &[exactly, lower, "flow.quadrature=collocated_lobatto", &from(at, "first")], 1.6, "second").expect(0, &[]);
+    for sum in ["mass_error", "energy_error"] {
+        let error = number(&summary(&at.join("second")), &format!("conservation.{sum}"));
+        println!("{sum} {error:.1e}");
+        assert!(error < 1e-13, "{sum} = {error:e}");
+    }
 }
 
 /// A slab in progress is finished first: the slabs of the case count from its own start.
@@ -169,7 +197,13 @@ fn a_restart_with_another_velocity_is_warned_of() {
 fn a_steady_flow_is_continued_to_another_viscosity_and_mach_number_if_that_is_allowed() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
-    let small = ["mesh.order=3", "mesh.generate.annulus.cells=[12,8]", "time={order=1,end=0,step=1}", "flow.order=3"];
+    let small = [
+        "mesh.order=3",
+        "mesh.generate.annulus.cells=[12,8]",
+        "time={order=1,end=0,step=1}",
+        "flow.order=3",
+        "output.surfaces={walls=[\"wall\"],every=1}",
+    ];
     let go = |changes: &[&str], output: &str| {
         on_case(at, "run", "cylinder_steady", &[&small[..], changes].concat(), output, &[])
     };
@@ -182,6 +216,9 @@ fn a_steady_flow_is_continued_to_another_viscosity_and_mach_number_if_that_is_al
     go(&[&from, "restart.allow=[\"viscosity\"]"], "viscosity").expect(0, &[]);
     println!("C_D: Re = 10 {}, Re = 40 {}, continued {}", drag("re_10"), drag("re_40"), drag("viscosity"));
     assert!((drag("viscosity") - drag("re_40")).abs() < 1e-6 && drag("re_10") > drag("re_40") + 0.5);
+    // The distribution at Re = 10 stood in the file, too, at the same time.
+    let rows = |output: &str| Surface::read(&at.join(output), "wall").column("t").len();
+    assert_eq!(rows("viscosity"), rows("re_40"));
 
     let faster = [
         "flow.gas.mach=0.3",

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{assert_same_bits, column, on_case, shipped, stsolve, summary};
+use common::{assert_same_bits, column, number, on_case, shipped, stsolve, summary};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -178,4 +178,21 @@ fn a_run_goes_on_with_a_longer_table() {
     let refused = go(2.0, "end=1.2", "short", &["--resume"]);
     refused
         .expect(2, &["`way` change its spline before the checkpoint at t = 1 too", "0 points after", "`restart.from`"]);
+}
+
+/// The run was told to be complete, and its flow was the one that the search had left.
+#[test]
+fn a_search_for_a_steady_flow_that_has_failed_goes_on() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let small = ["mesh.order=3", "mesh.generate.annulus.cells=[12,8]", "time={order=1,end=0,step=1}", "flow.order=3"];
+    let go = |steps: &[&str], extra: &[&str]| {
+        on_case(at, "run", "cylinder_steady", &[&small[..], steps].concat(), "run", extra)
+    };
+    go(&["solver.steady.steps=2"], &[]).expect(1, &["steady"]);
+    go(&["solver.steady.steps=2"], &["--resume"]).expect(1, &["steady"]);
+    go(&[], &["--resume"]).expect(0, &[]);
+    let drag = |run: &str| number(&summary(&at.join(run)), "steady.walls.wall.drag_coefficient");
+    on_case(at, "run", "cylinder_steady", &small, "at_once", &[]).expect(0, &[]);
+    assert!((drag("run") - drag("at_once")).abs() < 1e-8, "{} {}", drag("run"), drag("at_once"));
 }

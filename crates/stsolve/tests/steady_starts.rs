@@ -194,8 +194,9 @@ fn a_spurious_steady_flow_is_told_by_a_march_in_time() {
     let spurious: Vec<_> = from_stream.filter(|(steady, _)| (lift(steady) - 0.113).abs() > 0.1).collect();
     assert!(!spurious.is_empty(), "the spurious flow was not found");
     spurious.iter().for_each(|flow| judged(flow, true));
-    let rest =
-        unresolved(directory.path(), &["flow.initial={ uniform = { velocity = [0, 0.01], mach = 0.002 } }"]).unwrap();
+    let at_rest = "flow.initial={ uniform = { velocity = [0, 0.01], mach = 0.002 } }";
+    let ways: [&[&str]; 3] = [&[at_rest, "solver.steady.first_step=10"], &[at_rest, long], &[at_rest]];
+    let rest = ways.iter().find_map(|way| unresolved(directory.path(), way)).unwrap();
     assert!((lift(&rest.0) - 0.113).abs() < 1e-3, "{}", rest.0);
     judged(&rest, false);
 }

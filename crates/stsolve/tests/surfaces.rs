@@ -132,3 +132,31 @@ fn walls_of_a_box_in_space_have_their_forces() {
         assert_eq!((steps.len(), points.len() % 27), (1, 0), "3 x 3 points of a facet");
     }
 }
+
+/// Without `every` there was a mean over the one distribution at the end.
+#[test]
+fn means_along_walls_need_distributions_at_several_times() {
+    let directory = TempDir::new().unwrap();
+    let case = directory.path().join("case.toml");
+    let text = r#"
+        mesh = { order = 2, generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 1] } }
+        time = { order = 1, end = 0.2, slabs = 2 }
+        output.averages = { from = 0 }
+        [flow]
+        order = 2
+        gas = { viscosity = { constant = 0.05 } }
+        initial.uniform = { velocity = [0, 0.1], pressure = 1 }
+        boundary.left.adiabatic_wall = {}
+        boundary.others = "slip_wall"
+    "#;
+    fs::write(&case, text).unwrap();
+    for (every, has_means) in [("", false), (",every=1", true)] {
+        let set = format!("output.surfaces={{walls=[\"left\"]{every}}}");
+        let arguments = ["run", "case.toml", "--output", "run", "--quiet", "--force", "--set", &set];
+        stsolve(directory.path(), &arguments).expect(0, &[]);
+        for end in ["mean", "separation"] {
+            let file = directory.path().join(format!("run/surface_left_{end}.csv"));
+            assert_eq!(file.exists(), has_means, "{set}: {end}");
+        }
+    }
+}

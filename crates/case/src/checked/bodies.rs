@@ -14,7 +14,7 @@ use crate::key::Key;
 use crate::raw;
 use crate::vector::Vector;
 use coupled::blocks::rigid_body::{Freedom as Direction, Stops};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A rigid body.
 #[derive(Clone, Debug, PartialEq)]
@@ -162,6 +162,7 @@ impl<const D: usize> Given<'_, D> {
             mesh: raw.mesh.as_ref().map(|mesh| self.following(&key.child("mesh"), mesh)).transpose()?,
         };
         self.check_weights(&key, &body)?;
+        self.check_turns(&key, &body)?;
         Ok(body)
     }
 
@@ -241,6 +242,30 @@ impl<const D: usize> Given<'_, D> {
         Ok(())
     }
 
+    /// A rotation moves points that periodicity identifies together only if its axis lies along the period.
+    fn check_turns(&self, key: &Key, body: &RigidBody<D>) -> Checked<()> {
+        let numbering = NodeNumbering::new(self.mesh, self.mesh.order());
+        let walls: BTreeSet<usize> =
+            body.walls.iter().flat_map(|wall| numbering.on_boundary(self.mesh, *wall)).collect();
+        for freedom in &body.freedoms {
+            let Direction::Rotation(axis) = freedom.direction else { continue };
+            let turned = |node: usize, x: &[f64; D]| {
+                let arm: [f64; 3] = std::array::from_fn(|d| x.get(d).map_or(0.0, |x| x - body.pivot[d]));
+                let weight = if walls.contains(&node) { 1.0 } else { body.weight(x).unwrap_or(0.0) };
+                tensor::cross(&axis, &arm).map(|v| weight * v)
+            };
+            let apart = periodic_copies_apart(self.mesh, &numbering, 1e-9 * self.mesh.diameter(), turned);
+            if let Some([x, other]) = apart {
+                let problem = format!(
+                    "{x:?} and {other:?} are one node of the mesh by periodicity, and this would move them apart"
+                );
+                let accepted = "a rotation about an axis along the period, or a body away from the periodic sides";
+                return Err(self.checker.combination(&key.child(freedom.name), &problem, accepted));
+            }
+        }
+        Ok(())
+    }
+
     /// Weights are one on the walls of the body and finite everywhere.
     fn check_weights(&self, key: &Key, body: &RigidBody<D>) -> Checked<()> {
         if body.mesh.is_none() {
@@ -258,7 +283,7 @@ impl<const D: usize> Given<'_, D> {
             let problem = format!("the weight at {x:?} on a wall of the body is {weight}");
             return Err(self.checker.combination(&key, &problem, "a weight of one on the walls of the body"));
         }
-        if let Some([x, other]) = periodic_copies_apart(self.mesh, &numbering, 1e-9, |x| [weight(x)]) {
+        if let Some([x, other]) = periodic_copies_apart(self.mesh, &numbering, 1e-9, |_, x| [weight(x)]) {
             let problem = format!(
                 "the weight is {} at {x:?} and {} at {other:?}, the same point by periodicity",
                 weight(&x),

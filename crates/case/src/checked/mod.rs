@@ -51,7 +51,9 @@ pub use forces::Wall;
 pub use motion::{Motion, Stiffness};
 pub use parts::SolidPart;
 pub use probes::{Line, Observed, Probe, Slice, is_name_of_average};
-pub use resolved::{gas_of, motion_of, ratio_of_specific_heats_of, reference_pressure_of, title_of, walls_of};
+pub use resolved::{
+    bodies_of, gas_of, motion_of, quadrature_of, ratio_of_specific_heats_of, reference_pressure_of, title_of, walls_of,
+};
 pub use sliding_mesh::{Held, constrained};
 pub use source::Source;
 pub use structure::{Largest, Structure, Support};
@@ -181,6 +183,14 @@ impl AnyCase {
         match self {
             AnyCase::Plane(case) => case.restart.as_deref(),
             AnyCase::Space(case) => case.restart.as_deref(),
+        }
+    }
+
+    /// Whether formulas of the case contain numbers that its run changes.
+    pub fn has_controls(&self) -> bool {
+        match self {
+            AnyCase::Plane(case) => !case.controls.is_empty(),
+            AnyCase::Space(case) => !case.controls.is_empty(),
         }
     }
 

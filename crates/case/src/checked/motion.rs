@@ -8,7 +8,7 @@ use super::boundary_motion::{Boundaries, check_formulas};
 use super::displacement::check_displacement;
 use super::mesh_crate::{Mesh, NodeNumbering};
 use super::movers::Movers;
-use super::shared_nodes::{not_periodic, periodic_copies_apart};
+use super::shared_nodes::{nodes_on, not_periodic, periodic_copies_apart};
 use super::sliding_mesh::{Held, check_held};
 use crate::boundary_motion::BoundaryMotion;
 use crate::cause::Cause;
@@ -18,8 +18,9 @@ use crate::expression::Program;
 use crate::key::Key;
 use crate::raw;
 use crate::vector::Vector;
+use coupled::BoundaryField;
 use elasticity::{Law, Solver};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The motion of the mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -126,7 +127,9 @@ fn check_given<const D: usize>(
     let key = Key::new("motion");
     let Some(formulas) = &raw.displacement else {
         let motion = elastic(checker, &key, raw, mesh, &movers.moved(mesh), time)?;
-        return check_walls(checker, &key, motion, mesh, movers);
+        let motion = check_walls(checker, &key, motion, mesh, movers)?;
+        check_beside_bodies(checker, &key, &motion, mesh, movers, time)?;
+        return Ok(motion);
     };
     if !movers.walls.is_empty() {
         let problem = "`motion.displacement` prescribes the motion everywhere, and a body moves its walls";
@@ -164,7 +167,7 @@ fn check_periodicity<const D: usize>(
     let numbering = NodeNumbering::new(mesh, mesh.order());
     for t in time.check_times() {
         let at = |x: &[f64; D]| displacement.evaluate(x, t);
-        let Some(x) = periodic_copies_apart(mesh, &numbering, 1e-9 * mesh.diameter(), at) else { continue };
+        let Some(x) = periodic_copies_apart(mesh, &numbering, 1e-9 * mesh.diameter(), |_, x| at(x)) else { continue };
         return Err(not_periodic(checker, key, x, x.map(|x| at(&x).map(Some)), t));
     }
     Ok(())
@@ -188,6 +191,37 @@ fn check_walls<const D: usize>(
         return Err(checker.combination(&key.child("boundary").child(name), &problem, &accepted));
     }
     Ok(motion)
+}
+
+/// Boundaries that meet the wall of a rigid body rest there: the body moves the nodes that they share. A structure replaces their motion.
+fn check_beside_bodies<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    motion: &Motion<D>,
+    mesh: &Mesh<D>,
+    movers: &Movers,
+    time: &Time,
+) -> Checked<()> {
+    let Motion::Elastic { boundary, .. } = motion else { return Ok(()) };
+    let numbering = NodeNumbering::new(mesh, mesh.order());
+    let moving = || boundary.iter().enumerate().filter_map(|(index, motion)| Some((index, motion.as_ref()?)));
+    for (body, walls) in movers.of_bodies().filter(|_| moving().next().is_some()) {
+        let shared: BTreeSet<usize> = walls.iter().flat_map(|wall| numbering.on_boundary(mesh, *wall)).collect();
+        for (index, motion) in moving() {
+            let nodes = nodes_on(mesh, &numbering, index).filter(|(node, _)| shared.contains(node));
+            let then =
+                |(node, x)| time.check_times().into_iter().map(move |t| (x, t, motion.displacement(node, &x, t)));
+            let mut moved = nodes.flat_map(then).filter(|(.., d)| tensor::norm(d) > 1e-9 * mesh.diameter());
+            if let Some((x, t, d)) = moved.next() {
+                let name = &mesh.boundary_names()[index];
+                let problem =
+                    format!("the node at {x:?} is displaced by {d:?} until t = {t}, and {body} moves it, too");
+                let accepted = format!("a motion that is zero where `{name}` meets the walls of {body}");
+                return Err(checker.combination(&key.child("boundary").child(name), &problem, &accepted));
+            }
+        }
+    }
+    Ok(())
 }
 
 fn elastic<const D: usize>(

@@ -64,6 +64,11 @@ impl Movers {
         Ok(())
     }
 
+    /// The rigid bodies among them.
+    pub(super) fn of_bodies(&self) -> impl Iterator<Item = &(String, Vec<usize>)> {
+        self.walls.iter().filter(|(name, _)| name != STRUCTURE)
+    }
+
     /// Whether something moves each of the boundaries of `mesh`.
     pub(super) fn moved<const D: usize>(&self, mesh: &Mesh<D>) -> Vec<bool> {
         let moves = |boundary: usize| self.walls.iter().any(|(_, walls)| walls.contains(&boundary));

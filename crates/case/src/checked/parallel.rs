@@ -5,7 +5,7 @@ use crate::key::Key;
 use crate::raw::{self, ElasticitySolver, Parallel, Stages};
 
 /// Blocks with fewer cells than this lose many iterations if they are eliminated at the same time (docs/src/clusters.md).
-const CELLS_OF_SMALL_BLOCK: usize = 20;
+const CELLS_OF_SMALL_BLOCK: usize = 40;
 
 /// The number of groups of cells that the preconditioner eliminates one after the other, for a mesh of so many `cells`.
 pub(super) fn stages(checker: &Checker<'_>, raw: &Parallel, cells: usize) -> Checked<usize> {

@@ -56,6 +56,50 @@ pub fn gas_of(resolved: &str, allowed: &[AllowedChange]) -> Result<Option<String
     raw.flow.as_ref().map(text).transpose()
 }
 
+/// The rigid bodies of a resolved case, as text: what their coordinates mean.
+///
+/// # Errors
+/// As [`gas_of`].
+pub fn bodies_of(resolved: &str) -> Result<String, String> {
+    let raw: raw::Case = toml::from_str(resolved).map_err(|error| error.message().to_owned())?;
+    let bodies: Vec<String> = raw.bodies.iter().map(|(name, body)| described(name, body)).collect();
+    Ok(if bodies.is_empty() { "none".to_owned() } else { bodies.join("; ") })
+}
+
+/// A rigid body in words: its coordinates, its walls and what it turns about.
+fn described(name: &str, body: &raw::Body) -> String {
+    let coordinates = [
+        ("x", &body.x),
+        ("y", &body.y),
+        ("z", &body.z),
+        ("rotation", &body.rotation),
+        ("rotation_x", &body.rotation_x),
+        ("rotation_y", &body.rotation_y),
+        ("rotation_z", &body.rotation_z),
+    ];
+    let coordinates: Vec<&str> = coordinates.iter().filter_map(|(name, given)| given.as_ref().map(|_| *name)).collect();
+    let walls = body.walls.clone().unwrap_or_else(|| vec![name.to_owned()]).join(", ");
+    let pivot = body.pivot.as_ref().filter(|pivot| pivot.iter().any(|x| *x != 0.0));
+    let pivot = pivot.map_or_else(|| "the origin".to_owned(), |pivot| format!("{pivot:?}"));
+    let axis = body.axis.map_or_else(String::new, |axis| format!(" and the axis {axis:?}"));
+    format!("`{name}` with {}, walls {walls}, about {pivot}{axis}", coordinates.join(", "))
+}
+
+/// The quadrature of a resolved case with a flow, as text: integrals over the same flow are equal where it is.
+///
+/// # Errors
+/// As [`gas_of`].
+pub fn quadrature_of(resolved: &str) -> Result<Option<String>, String> {
+    let raw: raw::Case = toml::from_str(resolved).map_err(|error| error.message().to_owned())?;
+    let text = |flow: &raw::Flow| match flow.quadrature {
+        raw::Quadrature::Collocated | raw::Quadrature::CollocatedLobatto => {
+            format!("{:?} {} {}", flow.quadrature, flow.order, raw.time.order)
+        }
+        other => format!("{other:?}"),
+    };
+    Ok(raw.flow.as_ref().map(text))
+}
+
 /// The motion that a resolved case, as text, gives to `mesh`.
 ///
 /// # Errors

@@ -110,12 +110,12 @@ pub(super) fn nodes_on<const D: usize>(
     })
 }
 
-/// Two positions of one node, which periodicity identifies, where the values differ by more than `tolerance`.
+/// Two positions of one node, which periodicity identifies, where the values of the node differ by more than `tolerance`.
 pub(super) fn periodic_copies_apart<const D: usize, const N: usize>(
     mesh: &Mesh<D>,
     numbering: &NodeNumbering,
     tolerance: f64,
-    value: impl Fn(&[f64; D]) -> [f64; N],
+    value: impl Fn(usize, &[f64; D]) -> [f64; N],
 ) -> Option<[[f64; D]; 2]> {
     let near = 1e-9 * mesh.diameter();
     let apart = |a: &[f64], b: &[f64], tolerance: f64| a.iter().zip(b).any(|(a, b)| (a - b).abs() > tolerance);
@@ -124,7 +124,7 @@ pub(super) fn periodic_copies_apart<const D: usize, const N: usize>(
         let (positions, _) = mesh.cell_coordinates(cell).as_chunks::<D>();
         for (&node, x) in numbering.cell(cell).iter().zip(positions) {
             let one = first[node].get_or_insert(*x);
-            if apart(&one[..], x, near) && apart(&value(one), &value(x), tolerance) {
+            if apart(&one[..], x, near) && apart(&value(node, one), &value(node, x), tolerance) {
                 return Some([*one, *x]);
             }
         }

@@ -6,6 +6,9 @@ use crate::error::collected;
 use crate::key::Key;
 use crate::raw;
 
+/// How the names of the files of averages along a wall end.
+const OF_AVERAGES: [&str; 2] = ["_mean", "_separation"];
+
 /// Checks `[output.surfaces]` on a mesh with these `boundaries`: the surfaces are walls of the flow, each listed once.
 pub(super) fn check(
     checker: &Checker<'_>,
@@ -35,7 +38,7 @@ pub(super) fn check(
         return Err(checker.combination(&key, "the list of walls is empty", &accepted));
     }
     check_names(checker, &key, &raw.walls, &walls)?;
-    check_files(checker, &key, &raw.walls, output.averages.is_some())
+    check_files(checker, &key, &raw.walls, output.averages.is_some() && raw.every.is_some())
 }
 
 /// The name of the series and of the files of a wall. A slash in the name of the wall would be a folder.
@@ -43,10 +46,11 @@ pub fn surface_name(wall: &str) -> String {
     format!("surface_{}", wall.replace(['/', '\\'], "_"))
 }
 
-/// Whether the distributions of two walls have the same file. Averages are written beside them, with `_mean` in the name.
+/// Whether two walls would write the same file. Averages are written beside their distributions, with [`OF_AVERAGES`] in the names.
 fn clash(wall: &str, other: &str, has_averages: bool) -> bool {
     let (here, there) = (surface_name(wall), surface_name(other));
-    here == there || has_averages && (here == there.clone() + "_mean" || there == here + "_mean")
+    let is_of_averages = |end: &str| here == format!("{there}{end}") || there == format!("{here}{end}");
+    here == there || has_averages && OF_AVERAGES.into_iter().any(is_of_averages)
 }
 
 /// Checks that no two walls write the same file.
@@ -58,7 +62,7 @@ fn check_files(checker: &Checker<'_>, key: &Key, walls: &[String], has_averages:
             return Err(checker.combination(
                 &key.entry(index),
                 &problem,
-                "names that differ in more than / and _ or a `_mean`",
+                "names that differ in more than / and _, a `_mean` or a `_separation`",
             ));
         }
     }
@@ -85,5 +89,6 @@ mod tests {
         assert_eq!(surface_name("a/b"), "surface_a_b");
         assert!(clash("a/b", "a_b", false) && clash("a\\b", "a/b", false) && !clash("a", "b", true));
         assert!(clash("a", "a_mean", true) && clash("a_mean", "a", true) && !clash("a", "a_mean", false));
+        assert!(clash("step", "step_separation", true) && !clash("step", "step_separation", false));
     }
 }

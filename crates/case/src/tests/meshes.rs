@@ -116,7 +116,7 @@ fn what_is_wrong_with_a_closed_body_is_named_by_its_key() {
     for (right, wrong, expected) in [
         ("radius = 5", "radius = 0.9", ["closed_body.outer_radius = 0.9`", "a positive number"]),
         ("cell = 0.1", "cell = 0", ["closed_body.first_cell = 0`", "a positive number"]),
-        ("cell = 0.1", "cell = 4.9", ["closed_body.first_cell = 4.9`", "at most the radius"]),
+        ("cell = 0.1", "cell = 4.9", ["closed_body.first_cell = 4.9`", "less than the radius"]),
         ("[16, 6]", "[2, 6]", ["closed_body.cells[0] = 2`", "at least 3"]),
         ("[16, 6]", "[16, 0]", ["closed_body.cells[1] = 0`", "1 to 100000"]),
         ("[16, 6]", "[100000, 100000]", ["closed_body.cells = [1", "fewer cells"]),
@@ -143,7 +143,7 @@ fn what_is_wrong_with_an_ellipsoid_is_named_by_its_key() {
         ("0.7, ", "", ["ellipsoid.semi_axes = [1, 1.3]`", "3 entries"]),
         ("radius = 4", "radius = 1.3", ["ellipsoid.outer_radius = 1.3`", "more than every semi-axis"]),
         ("cell = 0.3", "cell = 0", ["ellipsoid.first_cell = 0`", "a positive number"]),
-        ("cell = 0.3", "cell = 3.5", ["ellipsoid.first_cell = 3.5`", "at most the distance"]),
+        ("cell = 0.3", "cell = 3.5", ["ellipsoid.first_cell = 3.5`", "less than the distance"]),
         ("[1, 2, 3, 4]", "[0, 2, 3, 4]", ["ellipsoid.cells[0] = 0`", "1 to 100000"]),
         ("[1, 2, 3, 4]", "[1, 2, 3, 0]", ["ellipsoid.cells[3] = 0`", "1 to 100000"]),
         ("[1, 2, 3, 4]", "[100000, 100000, 3, 100000]", ["ellipsoid.cells = [1", "fewer cells"]),
@@ -348,7 +348,7 @@ const BAD: &[(&str, &[&str])] = &[
     ),
     (
         "generate.annulus = { inner_radius = 1, outer_radius = 3, first_cell = 9, cells = [8, 3] }",
-        &["annulus.first_cell = 9`", "at most the width"],
+        &["annulus.first_cell = 9`", "less than the width"],
     ),
     (
         "generate.annulus = { inner_radius = 1, outer_radius = 3, first_cell = 0.2, cells = [2, 3] }",
@@ -378,7 +378,7 @@ const BAD: &[(&str, &[&str])] = &[
     ("generate.turbine_blade.inflow_distance = 0", &["turbine_blade.inflow_distance = 0`", "a positive number"]),
     ("generate.turbine_blade.outflow_distance = 0", &["turbine_blade.outflow_distance = 0`", "a positive number"]),
     ("generate.turbine_blade.layer = 0", &["turbine_blade.layer = 0`", "a positive number"]),
-    ("generate.turbine_blade.first_cell = 1", &["turbine_blade.first_cell = 1`", "at most the layer"]),
+    ("generate.turbine_blade.first_cell = 1", &["turbine_blade.first_cell = 1`", "less than the layer"]),
     ("generate.turbine_blade.cells.side = 0", &["turbine_blade.cells.side = 0`", "1 to 100000"]),
     ("generate.turbine_blade.cells.end = 0", &["turbine_blade.cells.end = 0`", "1 to 100000"]),
     ("generate.turbine_blade.cells.normal = 0", &["turbine_blade.cells.normal = 0`", "1 to 100000"]),

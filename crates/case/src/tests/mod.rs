@@ -189,6 +189,16 @@ fn options_write_over_the_file() {
     assert!(replaced.boundary.iter().all(|data| matches!(data.condition, Boundary::Symmetry(_))));
 }
 
+/// The key ended at the `=` in the name, and the whole table `output` was replaced.
+#[test]
+fn an_equals_sign_in_a_quoted_name_does_not_end_the_key() {
+    let case =
+        plane(BASE, &["output.every=3", r#"output.probes."p=1".at=[0.5,0.5]"#, "output.probes.'q=2'.at=[0.5,0.5]"]);
+    assert_eq!(case.output.every, 3);
+    let names: Vec<&str> = case.observed.probes.iter().map(|probe| &probe.name[..]).collect();
+    assert_eq!(names, ["p=1", "q=2"]);
+}
+
 /// In two dimensions the sign of the moment is chosen. In three the moment is a vector, and the axis of its coefficient is
 /// chosen.
 #[test]

@@ -9,7 +9,7 @@ fn stages_are_a_number_or_exact() {
     assert_eq!((stages("3"), stages("\"exact\"")), (3, usize::MAX));
     // Eight cells: small blocks keep the exact order by default.
     assert_eq!(plane(BASE, &["parallel.blocks=4"]).stages, usize::MAX);
-    assert_eq!(plane(BASE, &["parallel.blocks=4", "mesh.generate.box.cells=[10,8]"]).stages, 1);
+    assert_eq!(plane(BASE, &["parallel.blocks=4", "mesh.generate.box.cells=[20,8]"]).stages, 1);
 }
 
 #[test]

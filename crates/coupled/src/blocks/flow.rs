@@ -29,6 +29,20 @@ pub struct Counts {
     pub refactors: usize,
 }
 
+impl Counts {
+    /// All numbers.
+    pub fn numbers(&self) -> [usize; 6] {
+        let Counts { residuals, products, mesh_products, elasticity_iterations, rebuilds, refactors } = *self;
+        [residuals, products, mesh_products, elasticity_iterations, rebuilds, refactors]
+    }
+
+    /// Back from [`Counts::numbers`].
+    pub fn from_numbers(numbers: [usize; 6]) -> Self {
+        let [residuals, products, mesh_products, elasticity_iterations, rebuilds, refactors] = numbers;
+        Counts { residuals, products, mesh_products, elasticity_iterations, rebuilds, refactors }
+    }
+}
+
 /// The flow of a slab.
 pub struct FlowBlock<const D: usize, const M: usize> {
     /// Residual and derivatives.

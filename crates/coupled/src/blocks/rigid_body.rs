@@ -326,7 +326,11 @@ impl<const D: usize> Body for RigidBody<D> {
         self.set_rates(z, exchange);
     }
 
-    fn write_velocity_at_top(&self, z: &[f64], velocity: &mut [f64]) {
+    fn nodes_with_velocity_at_top(&self) -> Vec<usize> {
+        self.surface.nodes.iter().map(|node| node.node).collect()
+    }
+
+    fn add_velocity_at_top(&self, z: &[f64], velocity: &mut [f64]) {
         let (count, top) = (self.count(), self.slab.clock.time(1.0));
         let q = self.positions(z);
         let [q, rates] = [&q, z].map(|of_nodes| &of_nodes[of_nodes.len() - count..]);
@@ -336,7 +340,6 @@ impl<const D: usize> Body for RigidBody<D> {
             exact.filter(|rate| rate.is_finite()).into_iter().for_each(|rate| rates[k] = rate);
         }
         let of_surface = derivatives(&self.surface.displacement(&self.data, &along(q, &rates)));
-        self.surface.nodes.iter().for_each(|node| velocity[node.node * D..(node.node + 1) * D].fill(0.0));
         self.surface.add_to_field(&of_surface, velocity);
     }
 

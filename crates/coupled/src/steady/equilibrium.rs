@@ -70,7 +70,7 @@ pub enum NoEquilibrium {
         slabs: usize,
         /// The jump of the flow, relative to the largest one.
         flow: f64,
-        /// The largest change of a coordinate in a slab, relative to the largest coordinate.
+        /// The largest change of a displacement in a slab, relative to the largest displacement.
         bodies: f64,
     },
 }
@@ -95,28 +95,28 @@ pub fn find_equilibrium<const D: usize, const M: usize>(
     let (mut steps, mut iterations) = (0, 0);
     let (mut flow, mut bodies) = (1.0, 1.0);
     for slabs in 1..=SLABS {
-        let before = march.state.bodies.clone();
+        let before = march.state.d.clone();
         let step = march.state.step;
         let report = march.advance().map_err(|source| NoEquilibrium::Slab { slab: slabs, length: step, source })?;
         steps += report.newton.steps.len();
         iterations += report.newton.krylov_iterations;
         largest_jump = largest_jump.max(report.jump);
-        (flow, bodies) = (report.jump / largest_jump, way(&before, &march.state.bodies, SMALL * length));
-        tracing::info!(slabs, length = step, flow, bodies, "equilibrium");
-        if flow <= tolerance && bodies <= tolerance && step >= TELLING * first {
+        (flow, bodies) = (report.jump / largest_jump, way(&before, &march.state.d, SMALL * length));
+        // A slab that could not be solved has been shortened.
+        let solved = report.interval.end - report.interval.start;
+        tracing::info!(slabs, length = solved, flow, bodies, "equilibrium");
+        if flow <= tolerance && bodies <= tolerance && solved >= TELLING * first {
             return Ok(Equilibrium { report: at_rest(start, report, &mut march.state), slabs, steps, iterations });
         }
     }
     Err(NoEquilibrium::Moves { slabs: SLABS, flow, bodies })
 }
 
-/// The largest change of a coordinate in a slab, relative to the largest coordinate, which is at least `least`.
-fn way(before: &[Vec<f64>], after: &[Vec<f64>], least: f64) -> f64 {
-    let positions = |stored: &Vec<f64>| stored[..BodyState::coordinates(stored)].to_vec();
-    let (old, new): (Vec<f64>, Vec<f64>) =
-        (before.iter().flat_map(positions).collect(), after.iter().flat_map(positions).collect());
-    let change = largest(old.iter().zip(&new).map(|(old, new)| (new - old).abs()));
-    change / largest(new.iter().map(|x| x.abs())).max(least)
+/// The largest change of a displacement of the mesh in a slab, relative to the largest displacement, which is at least `least`. Coordinates of
+/// bodies cannot be compared: some are lengths and some are angles.
+fn way(before: &[f64], after: &[f64], least: f64) -> f64 {
+    let change = largest(before.iter().zip(after).map(|(old, new)| (new - old).abs()));
+    change / largest(after.iter().map(|x| x.abs())).max(least)
 }
 
 /// Makes `state` one at the time `start`, where bodies rest and nothing has happened yet, and `report` that of a slab of length zero there.

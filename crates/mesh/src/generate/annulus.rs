@@ -47,7 +47,7 @@ impl AnnulusMesh {
         check.count("the number of cells outwards", self.cells[1])?;
         check.count("the number of cells around", self.cells[0])?;
         check.that(self.cells[0] >= 3, "the number of cells around", self.cells[0] as f64, "at least 3")?;
-        check.that(self.first_cell <= width, "the height of the first cell", self.first_cell, "at most the width")?;
+        check.first_cell((self.cells[1], self.first_cell), width, "less than the width")?;
         Ok(Growth::new(self.cells[1], self.first_cell, width))
     }
 }
@@ -110,7 +110,10 @@ mod tests {
         let refused = |mesh: AnnulusMesh| mesh.build().unwrap_err().to_string();
         assert!(refused(AnnulusMesh { outer_radius: 0.4, ..CYLINDER }).contains("far field"));
         assert!(refused(AnnulusMesh { first_cell: f64::NAN, ..CYLINDER }).contains("NaN"));
-        assert!(refused(AnnulusMesh { first_cell: 60.0, ..CYLINDER }).contains("at most the width"));
+        assert!(refused(AnnulusMesh { first_cell: 60.0, ..CYLINDER }).contains("less than the width"));
+        let gap = CYLINDER.outer_radius - CYLINDER.inner_radius;
+        assert!(refused(AnnulusMesh { first_cell: gap, ..CYLINDER }).contains("less than the width"));
+        assert!(AnnulusMesh { first_cell: gap, cells: [24, 1], ..CYLINDER }.build().is_ok());
         assert!(refused(AnnulusMesh { cells: [2, 3], ..CYLINDER }).contains("around is 2"));
         assert!(refused(AnnulusMesh { cells: [8, 0], ..CYLINDER }).contains("outwards is 0"));
     }

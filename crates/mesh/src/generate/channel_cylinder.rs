@@ -81,8 +81,8 @@ impl ChannelCylinderMesh {
         check.that(beside > 0.0 && 2.0 * x < length, "x of the centre", x, inside)?;
         check.that(above > 0.0, "y of the centre", y, inside)?;
         let gap = beside.min(above);
-        let accepted = "at most the distance from the cylinder to walls and inflow";
-        check.that(self.first_cell <= gap, "the height of the first cell", self.first_cell, accepted)?;
+        let accepted = "less than the distance from the cylinder to walls and inflow";
+        check.first_cell((self.cells[1], self.first_cell), gap, accepted)?;
         Ok(gap)
     }
 }

@@ -123,7 +123,7 @@ impl ChannelFlagMesh {
         let fine = 2.0 * x < self.flag_end && self.flag_end < length;
         check.that(fine, "the end of the flag", self.flag_end, accepted)?;
         let gap = above.min(x - radius);
-        let accepted = "at most the distance from the cylinder to walls and inflow";
+        let accepted = "less than the distance from the cylinder to walls and inflow";
         check.that(self.first_cell <= gap, "the height of the first cell", self.first_cell, accepted)?;
         let [low, high] = self.flag_heights();
         let accepted = "at most the distance from the flag to the walls";

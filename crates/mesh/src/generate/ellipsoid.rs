@@ -147,8 +147,8 @@ impl EllipsoidMesh {
         self.check()?;
         let (first, width) = (self.first_cell, self.width());
         CHECK.positive("the height of the first cell", first)?;
-        let accepted = "at most the distance of the far field along the shortest semi-axis";
-        CHECK.that(first <= width, "the height of the first cell", first, accepted)?;
+        let accepted = "less than the distance of the far field along the shortest semi-axis";
+        CHECK.first_cell((self.cells[3], first), width, accepted)?;
         Ok(Growth::new(self.cells[3], first, width))
     }
 

@@ -100,6 +100,17 @@ impl Check {
         self.that(value.is_finite() && value > 0.0, quantity, value, "a positive number")
     }
 
+    /// The height of the first of so many `cells`: a part of their `total`. Others would have no height beside it.
+    pub(super) fn first_cell(
+        self,
+        (cells, height): (usize, f64),
+        total: f64,
+        accepted: &'static str,
+    ) -> Result<(), MeshError> {
+        let fine = height < total || (cells == 1 && height == total);
+        self.that(fine, "the height of the first cell", height, accepted)
+    }
+
     /// At least one, and few enough to count and store.
     pub(super) fn count(self, quantity: &'static str, value: usize) -> Result<(), MeshError> {
         self.that((1..=100_000).contains(&value), quantity, value as f64, "1 to 100000")

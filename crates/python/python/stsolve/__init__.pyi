@@ -45,6 +45,7 @@ class Case:
         threads: the number of threads; default all cores. The results have the same bits for any number.
 
         Raises CaseError, or SolveError after the last good state is written. Ctrl-C stops the run with a checkpoint.
+        Raises RuntimeError if the case has controls and another run of it goes on: load the case again for each run.
         """
 
 class Slab:
@@ -84,7 +85,7 @@ class Slab:
         """The columns of history.csv."""
     def __getitem__(self, column: str, /) -> float:
         """A number of the row of the slab in history.csv: slab["airfoil_lift_coefficient"]."""
-    def __contains__(self, column: str, /) -> bool:
+    def __contains__(self, column: object, /) -> bool:
         """Whether history.csv has the column."""
     def __iter__(self) -> Iterator[str]:
         """The columns of history.csv."""

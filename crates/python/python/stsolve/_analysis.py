@@ -14,6 +14,8 @@ def spectrum(times, values, segments=1):
     times, values = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
     if times.ndim != 1 or times.shape != values.shape or len(times) < 8 or not (np.diff(times) > 0).all():
         raise ValueError("a spectrum needs at least 8 increasing times, and as many values")
+    if not np.isfinite(values).all():
+        raise ValueError("a spectrum needs finite values; those of a probe are NaN while its point is outside of the mesh")
     if not 1 <= segments <= len(times) // 8:
         raise ValueError(f"segments = {segments} is not in 1 to {len(times) // 8}: a segment has 8 values or more")
     even = np.linspace(times[0], times[-1], len(times))
@@ -62,8 +64,10 @@ def boundary_layer(result, wall, thickness, number=-1):
 
 def _step_of(result, time):
     """The step of the result at the time of a distribution, which are written at times of their own."""
-    step = result.step_at(time)
-    if abs(result.times[step] - time) > 1e-9 * max(1.0, abs(time)):
+    step, times = result.step_at(time), np.asarray(result.times)
+    # Only the spacing tells how close two times are: a run may last nanoseconds.
+    scale = np.diff(times).min() if len(times) > 1 else abs(times).max()
+    if abs(times[step] - time) > 1e-6 * scale:
         raise ValueError(f"the result has no step at t = {time:g}: `output.surfaces.every` must be a multiple of `output.every`")
     return step
 

@@ -70,7 +70,19 @@ pub fn window<const D: usize>(view: &View<D>, name: Option<&str>) -> Result<Wind
         Some(Window { label: name.to_owned(), ..cuts::window(near, plane, PIXELS) })
     };
     let within = || Some(Window { plane: view.plane, ..Window::new(name, extent(name)?, PIXELS) });
+    if misses(name, view.mesh) {
+        let [lower, upper] = view.mesh.map(|corner| corner.to_vec());
+        return Err(PictureError::Outside { name: name.to_owned(), lower, upper });
+    }
     plane().or_else(within).map_or_else(|| named(&view.windows, Some(name), D), Ok)
+}
+
+/// Whether the plane or the box of this name has no part of a mesh between these corners.
+fn misses<const D: usize>(name: &str, [lower, upper]: [[f64; D]; 2]) -> bool {
+    let apart = |axis: usize, from: f64, to: f64| from > upper[axis] || to < lower[axis];
+    let by_plane = plane(name).is_some_and(|plane| plane.axis < D && apart(plane.axis, plane.at, plane.at));
+    by_plane
+        || extent(name).is_some_and(|extent| (0..2).any(|axis| apart(axis, extent.lower[axis], extent.upper[axis])))
 }
 
 /// The window of a name, or the first one.
@@ -105,6 +117,15 @@ fn plane(name: &str) -> Option<Plane> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+
+    /// The pictures were empty.
+    #[test]
+    fn a_window_beside_the_mesh_is_refused() {
+        let mesh = [[0.0, 0.0, 0.0], [1.0, 2.0, 3.0]];
+        assert!(misses("x=2", mesh) && misses("100,100,101,101", mesh) && misses("-2,-2,-1,5", mesh));
+        assert!(!misses("z=2", mesh) && !misses("-1e300,-1,0.5,1", mesh) && !misses("whole domain", mesh));
+        assert!(!misses("z=2", [[0.0; 2], [1.0; 2]]), "it has no plane");
+    }
 
     #[test]
     fn a_window_that_is_not_there_is_refused_with_the_others() {

@@ -34,6 +34,16 @@ pub enum PictureError {
         /// The names of all windows.
         accepted: Vec<String>,
     },
+    /// A window without a part of the mesh.
+    #[error("the window `{name}` shows no part of the mesh, which reaches from {lower:?} to {upper:?}")]
+    Outside {
+        /// The name.
+        name: String,
+        /// The corner of the mesh with the smallest coordinates.
+        lower: Vec<f64>,
+        /// The corner with the largest coordinates.
+        upper: Vec<f64>,
+    },
     /// A range of colours in which there is no number.
     #[error("`{lower},{upper}` is no range of colours: give the lower value first")]
     NoRange {

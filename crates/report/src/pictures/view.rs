@@ -39,6 +39,15 @@ pub struct View<const D: usize> {
     boundary_faces: Vec<Vec<usize>>,
     /// The pictures of surfaces in space, if there are some.
     space: Option<Space>,
+    /// The corners of the smallest box around the mesh in all snapshots.
+    pub mesh: [[f64; D]; 2],
+}
+
+/// The corners of the smallest box around `points`.
+fn around<const D: usize>(points: &[[f64; D]]) -> [[f64; D]; 2] {
+    let along = |axis: usize| points.iter().map(move |x| x[axis]);
+    let lower = std::array::from_fn(|axis| along(axis).fold(f64::INFINITY, f64::min));
+    [lower, std::array::from_fn(|axis| along(axis).fold(f64::NEG_INFINITY, f64::max))]
 }
 
 impl<const D: usize> View<D> {
@@ -64,7 +73,7 @@ impl<const D: usize> View<D> {
         let near = region.as_ref().map(|region| region.near);
         let space = region.and_then(|region| Space::new::<D, M>(region, snapshots, q_level));
         windows.extend(space.iter().flat_map(|space| space.windows.iter().cloned()));
-        View { windows, near, plane, boundary_faces, space }
+        View { windows, near, plane, boundary_faces, space, mesh: around(&corners) }
     }
 
     /// A window at a snapshot, and how far it has moved.

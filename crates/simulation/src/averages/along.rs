@@ -17,8 +17,8 @@ use std::fmt::Write;
 use std::path::Path;
 
 /// Names of the files.
-const TABLE: &str = "averages_along.csv";
-const VIEWER_FILE: &str = "averages_along.vtkhdf";
+pub(super) const TABLE: &str = "averages_along.csv";
+pub(super) const VIEWER_FILE: &str = "averages_along.vtkhdf";
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 

@@ -40,6 +40,9 @@ use navier_stokes::{Gas, Primitive};
 use rayon::prelude::*;
 use std::array::from_fn;
 
+/// Names of the files of averages.
+pub const FILES: [&str; 3] = [phase_file::PHASE_FILE, along::TABLE, along::VIEWER_FILE];
+
 /// The averages of a case, and the slabs that it averages.
 pub struct FlowAverages<'a, const D: usize> {
     /// What the case asks for.

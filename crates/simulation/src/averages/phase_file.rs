@@ -10,7 +10,7 @@ use report::fields::equidistant;
 use std::path::Path;
 
 /// Name of the file.
-const PHASE_FILE: &str = "phases.vtkhdf";
+pub(super) const PHASE_FILE: &str = "phases.vtkhdf";
 
 /// The averages over phases at the end of a run.
 pub struct PhaseFile<'a, const D: usize> {

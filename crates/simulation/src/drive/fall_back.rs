@@ -1,12 +1,13 @@
 //! How a run goes on in a more robust way, see [`crate::fallback`].
 
-use super::{Run, restore};
+use super::{Run, restore, walls};
 use crate::context::{RunContext, Stop};
 use crate::cuts::{self, Reached};
 use crate::error::Failure;
 use crate::fallback;
 use crate::record::Recorder;
 use crate::session::Session;
+use crate::statistics::RunStatistics;
 use case::{Case, rounded_time};
 
 /// Whether the last checkpoint stays, because the run may go back to it: that before the slab that is halved.
@@ -27,7 +28,11 @@ pub(super) fn fall_back<const D: usize, const M: usize>(
     if !is_held(run) {
         recorder.checkpoint(run.store(), &context.statistics)?;
     }
-    let stored = fallback::in_split_form(recorder.go_back(session)?);
+    // Also those in parts of the slab that had been solved.
+    let rejected = context.statistics.rejected + run.state().rejected as u64;
+    let stored = recorder.go_back(session)?;
+    let before = RunStatistics::from_arrays(&stored.arrays, walls(case)).map_or(0, |statistics| statistics.rejected);
+    let stored = fallback::in_split_form(stored, (rejected - before.min(rejected)) as usize);
     context.statistics = restore(run, Some(&stored), case)?;
     run.begin_balances(&mut context.statistics);
     let coupled::State { time, slab: slabs, .. } = *run.state();

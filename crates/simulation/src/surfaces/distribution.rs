@@ -83,8 +83,7 @@ impl<const D: usize> SurfaceFlow<'_, D> {
         let interpolation = Sampler::<D>::new(self.flow.order, mesh.order(), &nodes);
         let interpolated = |nodal: Vec<f64>| interpolation.positions(&nodal);
         let seen: &Seen = if nodes.len() == mesh.order() { &|nodal| nodal } else { &interpolated };
-        let of_wall = mesh.boundary_facets().iter().filter(|facet| facet.boundary == wall.boundary);
-        let facets: Vec<BoundaryFacet> = of_wall.copied().collect();
+        let facets = curve::facets_of(mesh, wall.boundary);
         let up_to_points = curve::integrals(self.rule);
         let (mut values, mut length) = (Vec::new(), 0.0);
         for facet in curve::in_order(mesh, &self.mover.numbering, &facets) {

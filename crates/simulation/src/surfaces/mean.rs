@@ -11,8 +11,11 @@
 //! <c_s> falls through zero along the direction from which it comes: where <c_s> goes from plus to minus with s. It attaches where <c_s>
 //! goes from minus to plus, as at a stagnation point. The error is half of a 95 % confidence interval, if the parts are longer than the
 //! correlation time of the flow.
+//!
+//! A wall in the plane may consist of several curves. Each has zeros of its own: none lies between the end of a curve and the start of another.
 
 use super::columns::{Column, columns};
+use super::curve::Curve;
 use output::{OutputError, Series, write_atomically};
 use std::array::from_fn;
 use std::fmt::Write;
@@ -39,6 +42,8 @@ struct Row {
     place: f64,
     /// Mean x and y.
     position: [f64; 2],
+    /// Its part of the wall.
+    area: f64,
     means: [f64; QUANTITIES.len()],
     errors: [f64; QUANTITIES.len()],
 }
@@ -52,11 +57,17 @@ struct Zero {
 }
 
 /// Writes `surface_NAME_mean.csv` and `surface_NAME_separation.csv` of the `series` of a wall over the times in `interval`, if there are any.
-/// In three dimensions only for walls that are extruded curves.
+/// In the plane the wall consists of the `curves`. In three dimensions only for walls that are extruded curves.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_means(directory: &Path, dimension: usize, series: &Series, interval: [f64; 2]) -> Result<(), OutputError> {
+pub fn write_means(
+    directory: &Path,
+    dimension: usize,
+    series: &Series,
+    interval: [f64; 2],
+    curves: &[Curve],
+) -> Result<(), OutputError> {
     let width = columns(dimension).iter().map(|column| column.components).sum();
     let values: Vec<&[f64]> = series.values.chunks_exact(series.array.len()).collect();
     if !series.times.iter().any(|time| (interval[0]..=interval[1]).contains(time)) {
@@ -69,7 +80,12 @@ pub fn write_means(directory: &Path, dimension: usize, series: &Series, interval
     let is_closed = is_closed(&values);
     let place = if is_closed { "s" } else { "arc_length" };
     write_atomically(&file("mean"), table(place, &rows).as_bytes())?;
-    write_atomically(&file("separation"), list(place, &zeros(&rows, is_closed)).as_bytes())
+    let parts = match dimension {
+        2 => parts(&rows, curves, series.array.axes[1].length, is_closed),
+        _ => vec![Part::extruded(&rows)],
+    };
+    let zeros: Vec<Zero> = parts.iter().flat_map(Part::zeros).collect();
+    write_atomically(&file("separation"), list(place, &zeros).as_bytes())
 }
 
 /// The rows of a time that are the same point of the cross-section, point after point.
@@ -189,11 +205,20 @@ impl<'a> Snapshots<'a> {
         half_width(&parts.iter().map(of_part).collect::<Vec<_>>())
     }
 
+    /// The mean area of the rows of `group` together.
+    fn area(&self, group: &[usize]) -> f64 {
+        let of_time = |values: &&[f64]| group.iter().map(|number| values[number * self.width + self.area]).sum::<f64>();
+        let weights = &self.weights.whole;
+        let sum: f64 = self.values.iter().zip(weights).map(|(values, weight)| weight * of_time(values)).sum();
+        sum / weights.iter().sum::<f64>()
+    }
+
     fn row(&self, group: &[usize]) -> Row {
         let mean = |of: &dyn Fn(&[f64]) -> f64| self.mean(&self.weights.whole, group, of);
         Row {
             place: mean(&|row| row[self.place]),
             position: [0, 1].map(|i| mean(&|row| row[self.position + i])),
+            area: self.area(group),
             means: from_fn(|number| mean(&|row| self.quantity(row, number))),
             errors: from_fn(|number| self.error(group, number)),
         }
@@ -208,30 +233,70 @@ fn half_width(means: &[f64]) -> f64 {
     STUDENT * (square / count).sqrt()
 }
 
-/// Where the mean skin friction changes its sign between neighbouring rows, by linear interpolation.
-fn zeros(rows: &[Row], is_closed: bool) -> Vec<Zero> {
-    let friction = |row: &Row| row.means[SKIN_FRICTION];
-    let next = |k: usize| rows.get(k + 1).or(if is_closed { rows.first() } else { None });
-    let zero = |(k, row): (usize, &Row)| {
-        let next = next(k)?;
-        let (here, there) = (friction(row), friction(next));
-        let part = here / (here - there);
-        let between = |a: f64, b: f64| a + part * (b - a);
-        let end = if next.place < row.place { next.place + 1.0 } else { next.place };
-        let place = between(row.place, end);
-        (here * there < 0.0).then(|| Zero {
-            kind: if here > 0.0 { "separation" } else { "attachment" },
-            place: if is_closed { place.rem_euclid(1.0) } else { place },
-            position: [0, 1].map(|i| between(row.position[i], next.position[i])),
-        })
+/// A curve of the wall.
+struct Part<'a> {
+    rows: &'a [Row],
+    /// What the positions jump by from the row before: by zero, but across a periodic boundary.
+    jumps: Vec<[f64; 2]>,
+    is_closed: bool,
+    /// The place where it begins, and its length: 0 and 1 if places are s.
+    start: f64,
+    length: f64,
+}
+
+/// The parts of the `rows` that are the `curves`, with so many rows in a facet. A wall that has s is one curve.
+fn parts<'a>(rows: &'a [Row], curves: &[Curve], of_facet: usize, has_s: bool) -> Vec<Part<'a>> {
+    let (mut rest, mut start) = (rows, 0.0);
+    let part = |curve: &Curve| {
+        let (rows, others) = rest.split_at(curve.facets.len() * of_facet);
+        let inside = std::iter::repeat_n([0.0; 2], of_facet - 1);
+        let jumps = curve.jumps.iter().flat_map(|jump| std::iter::once(*jump).chain(inside.clone())).collect();
+        let length = if has_s { 1.0 } else { rows.iter().map(|row| row.area).sum() };
+        let part = Part { rows, jumps, is_closed: curve.is_closed, start, length };
+        (rest, start) = (others, start + length);
+        part
     };
-    rows.iter().enumerate().filter_map(zero).collect()
+    curves.iter().map(part).collect()
+}
+
+impl<'a> Part<'a> {
+    /// A wall that is extruded along z: it has s, so that it is closed.
+    fn extruded(rows: &'a [Row]) -> Self {
+        Part { rows, jumps: vec![[0.0; 2]; rows.len()], is_closed: true, start: 0.0, length: 1.0 }
+    }
+
+    /// Where the mean skin friction changes its sign between neighbouring rows, by linear interpolation.
+    fn zeros(&self) -> Vec<Zero> {
+        let (start, length) = (self.start, self.length);
+        let last = if self.is_closed { self.rows.len() } else { self.rows.len().saturating_sub(1) };
+        let zero = |k: usize| {
+            let next = (k + 1) % self.rows.len();
+            let zero = zero(&self.rows[k], &self.rows[next], self.jumps[next], length)?;
+            let place = if self.is_closed { start + (zero.place - start).rem_euclid(length) } else { zero.place };
+            Some(Zero { place, ..zero })
+        };
+        (0..last).filter_map(zero).collect()
+    }
+}
+
+/// The zero of the mean skin friction between two rows. From one to the other the position jumps, and the place may begin anew after the
+/// `length` of the curve.
+fn zero(row: &Row, next: &Row, jump: [f64; 2], length: f64) -> Option<Zero> {
+    let (here, there) = (row.means[SKIN_FRICTION], next.means[SKIN_FRICTION]);
+    let part = here / (here - there);
+    let between = |a: f64, b: f64| a + part * (b - a);
+    let end = if next.place < row.place { next.place + length } else { next.place };
+    (here * there < 0.0).then(|| Zero {
+        kind: if here > 0.0 { "separation" } else { "attachment" },
+        place: between(row.place, end),
+        position: [0, 1].map(|i| between(row.position[i], next.position[i] - jump[i])),
+    })
 }
 
 fn table(place: &str, rows: &[Row]) -> String {
     let errors = QUANTITIES.map(|name| format!("{name}_error"));
     let mut text = format!("{place},x,y,{},{}\n", QUANTITIES.join(","), errors.join(","));
-    for Row { place, position, means, errors } in rows {
+    for Row { place, position, means, errors, .. } in rows {
         let numbers = [&[*place][..], position, means, errors].concat();
         let line = numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
         // Writing to a string cannot fail.
@@ -254,6 +319,11 @@ mod tests {
     use super::*;
     use output::ArraySpec;
     use std::f64::consts::TAU;
+
+    /// A closed curve of `count` facets.
+    fn ring(count: usize) -> Curve {
+        Curve { facets: (0..count).collect(), jumps: vec![[0.0; 2]; count], is_closed: true }
+    }
 
     /// A circle of radius 1 in a flow from the left: friction along increasing angle is -`amplitude` sin(angle), around 1 +- 0.1 in time.
     fn circle(dimension: usize) -> Series {
@@ -290,7 +360,7 @@ mod tests {
         for dimension in [2, 3] {
             let directory = tempfile::tempdir().unwrap();
             // Whole periods.
-            write_means(directory.path(), dimension, &circle(dimension), [1.0, 4.0]).unwrap();
+            write_means(directory.path(), dimension, &circle(dimension), [1.0, 4.0], &[ring(40)]).unwrap();
             let mean = lines(directory.path(), "surface_wall_mean.csv");
             assert_eq!(mean.len(), 41);
             assert!(mean[0].starts_with("s,x,y,pressure,pressure_coefficient,skin_friction,"), "{}", mean[0]);
@@ -308,6 +378,42 @@ mod tests {
             let s: f64 = parts[0][1].parse().unwrap();
             assert!((s - 0.5).abs() < 1e-12, "{s}");
         }
+    }
+
+    /// Rows at x = 0.5, 1.5, ... with this skin friction.
+    fn rows_of(frictions: &[f64]) -> Vec<Row> {
+        let row = |(k, friction): (usize, &f64)| Row {
+            place: k as f64 + 0.5,
+            position: [k as f64 + 0.5, 0.0],
+            area: 1.0,
+            means: from_fn(|number| if number == SKIN_FRICTION { *friction } else { 0.0 }),
+            errors: [0.0; QUANTITIES.len()],
+        };
+        frictions.iter().enumerate().map(row).collect()
+    }
+
+    /// A zero was found between the last point of a curve and the first one of the next.
+    #[test]
+    fn no_zero_lies_between_two_curves_and_each_closed_one_is_closed_by_itself() {
+        let rows = rows_of(&[1.0, 1.0, -1.0, -1.0, 1.0, -3.0, -3.0, -3.0]);
+        let open = |count| Curve { is_closed: false, ..ring(count) };
+        let zeros = |curves: &[Curve]| -> Vec<(&str, f64)> {
+            let parts = parts(&rows, curves, 1, false);
+            parts.iter().flat_map(Part::zeros).map(|zero| (zero.kind, zero.place)).collect()
+        };
+        assert_eq!(zeros(&[open(2), open(2), open(4)]), [("separation", 4.75)]);
+        // From 7.5 over the end at 8, which is the start at 4, to 4.5.
+        assert_eq!(zeros(&[open(2), open(2), ring(4)]), [("separation", 4.75), ("attachment", 4.25)]);
+    }
+
+    /// The position was half-way between both ends of the domain.
+    #[test]
+    fn zeros_across_a_periodic_boundary_have_a_position_at_it() {
+        let rows = rows_of(&[-1.0, -1.0, 1.0]);
+        let mut curve = ring(3);
+        curve.jumps[0] = [-3.0, 0.0];
+        let zeros = parts(&rows, &[curve], 1, false)[0].zeros();
+        assert_eq!((zeros[1].kind, zeros[1].position), ("separation", [3.0, 0.0]));
     }
 
     /// Snapshots at the ends of adapted slabs, and an interval that ends between them: a linear quantity has its exact mean.

@@ -17,6 +17,7 @@ mod mean;
 
 pub use case::surface_name;
 pub use columns::{Column, columns};
+pub use curve::curves_of;
 pub use distribution::{SurfaceFlow, physical};
 pub use files::write;
 pub use mean::write_means;

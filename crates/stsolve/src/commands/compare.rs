@@ -39,7 +39,7 @@ pub fn compare(first: &Path, second: &Path, json: bool) -> Result<(), Failure> {
     }
     tables.push(table("figures that differ", &figures, |[a, b]| (b - a).abs() / a.abs().max(b.abs())));
     tables.push(table(
-        "curves that differ: the largest difference, as a fraction of the first curve's largest value, and its time",
+        "curves that differ: the largest difference, as a fraction of the first curve's largest value (-: only one run has a number there), and its time",
         &curves,
         |[largest, _]| *largest,
     ));
@@ -125,7 +125,7 @@ fn alone([first, second]: &[Run; 2]) -> Vec<(String, &Path)> {
 }
 
 /// The columns that both histories have: the largest difference, relative to the largest value of the first, and its time. The second curve is
-/// taken at the times of the first, joined by straight lines.
+/// taken at the times of the first, joined by straight lines. Where only one run has a number the difference is NaN, larger than any number.
 fn curves([first, second]: &[Run; 2]) -> Vec<Named> {
     let (Some(times), Some(others)) = (first.history.column("t"), second.history.column("t")) else {
         return Vec::new();
@@ -133,13 +133,19 @@ fn curves([first, second]: &[Run; 2]) -> Vec<Named> {
     let difference = |name: &String| {
         let (one, other) = (first.history.column(name)?, second.history.column(name)?);
         let largest = one.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-        let apart = |(t, value): (&f64, &f64)| Some([(value - at(&others, &other, *t)?).abs(), *t]);
-        let worst = times.iter().zip(&one).filter_map(apart).max_by(|a, b| a[0].total_cmp(&b[0]))?;
+        let apart = |(t, value): (&f64, &f64)| Some([distance(*value, at(&others, &other, *t)?), *t]);
+        // Among equal differences the first.
+        let worst = times.iter().zip(&one).filter_map(apart).rev().max_by(|a, b| a[0].total_cmp(&b[0]))?;
         let relative = if largest > 0.0 { worst[0] / largest } else { worst[0] };
-        let is_round_off = largest.max(worst[0]) <= ROUND_OFF;
-        (!is_round_off && relative > SAME).then(|| (name.clone(), [relative, worst[1]]))
+        let is_same = largest.max(worst[0]) <= ROUND_OFF || relative <= SAME;
+        (worst[0].is_nan() || !is_same).then(|| (name.clone(), [relative, worst[1]]))
     };
     first.history.columns.iter().filter(|name| *name != "t").filter_map(difference).collect()
+}
+
+/// The distance of two values, zero if neither is a number.
+fn distance(a: f64, b: f64) -> f64 {
+    if a.is_nan() && b.is_nan() { 0.0 } else { (a - b).abs() }
 }
 
 /// The curve through (`times`, `values`) at `t`; None beyond its ends.
@@ -185,6 +191,28 @@ mod tests {
         let (times, values) = ([0.0, 1.0, 3.0], [2.0, 4.0, 8.0]);
         assert_eq!([0.0, 0.5, 1.0, 2.0, 3.0].map(|t| at(&times, &values, t)), [2.0, 3.0, 4.0, 6.0, 8.0].map(Some));
         assert_eq!([-0.1, 3.1].map(|t| at(&times, &values, t)), [None, None]);
+    }
+
+    /// A run with the row (t, value) for each of `values`, at the times 0, 1, ...
+    fn run(values: &[f64]) -> Run {
+        let rows = values.iter().enumerate().flat_map(|(t, value)| [t as f64, *value]).collect();
+        let history = HistoryTable { columns: vec!["t".to_owned(), "loss".to_owned()], rows };
+        Run { directory: PathBuf::new(), case: String::new(), summary: Vec::new(), history }
+    }
+
+    /// A column with a NaN was left out.
+    #[test]
+    fn a_value_that_is_no_number_differs_from_every_number() {
+        const NONE: f64 = f64::NAN;
+        let compared = |a: &[f64], b: &[f64]| curves(&[run(a), run(b)]);
+        assert!(compared(&[NONE, 1.0, 2.0], &[NONE, 1.0, 2.0]).is_empty() && compared(&[NONE], &[NONE]).is_empty());
+        assert_eq!(compared(&[NONE, 1.0, 2.0], &[NONE, 1.0, 3.0])[0].1, [0.5, 2.0]);
+        for (a, b) in
+            [([1.0, NONE, NONE], [1.0, 1.0, 1.0]), ([0.0, 5.0, 0.0], [0.0, NONE, NONE]), ([NONE; 3], [NONE, 0.0, 0.0])]
+        {
+            let found = compared(&a, &b);
+            assert!(found[0].1[0].is_nan() && found[0].1[1] == 1.0, "{a:?} {b:?}: {found:?}");
+        }
     }
 
     #[test]

@@ -79,10 +79,10 @@ impl Coordinate {
             + 0.5 * self.stop_stiffness() * beyond * beyond
     }
 
-    /// Whether it is driven in the slab that begins at `start`.
-    pub fn is_driven(&self, start: f64) -> bool {
+    /// Whether it is driven in the slab that begins at `start`. Most slabs have the length `step`.
+    pub fn is_driven(&self, start: f64, step: f64) -> bool {
         // A drive ends at the beginning of a slab, up to rounding.
-        self.drive.as_ref().is_some_and(|drive| drive.release.is_none_or(|release| is_before(start, release)))
+        self.drive.as_ref().is_some_and(|drive| drive.release.is_none_or(|release| is_before(start, release, step)))
     }
 
     fn stop_stiffness(&self) -> f64 {

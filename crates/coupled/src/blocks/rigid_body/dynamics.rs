@@ -68,7 +68,7 @@ impl<const D: usize> RigidBody<D> {
     /// The coordinates that are driven in this slab.
     pub(super) fn driven(&self) -> impl Iterator<Item = usize> {
         let start = self.slab.clock.time(0.0);
-        (0..self.count()).filter(move |k| self.data.coordinates[*k].is_driven(start))
+        (0..self.count()).filter(move |k| self.data.coordinates[*k].is_driven(start, self.step))
     }
 
     /// Sets the rates of driven coordinates such that their positions at the time nodes are the prescribed ones.

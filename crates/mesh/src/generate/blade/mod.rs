@@ -135,12 +135,7 @@ impl BladeMesh {
         }
         let steepest = self.slopes[0].abs().max(self.slopes[1].abs());
         check.that(steepest < 20.0, "the slope of the flow", steepest, "less than 20 (87 degrees)")?;
-        check.that(
-            self.first_cell <= self.layer,
-            "the height of the first cell",
-            self.first_cell,
-            "at most the layer",
-        )?;
+        check.first_cell((normal, self.first_cell), self.layer, "less than the layer")?;
         Ok(Growth::new(normal, self.first_cell, self.layer))
     }
 }

@@ -91,7 +91,7 @@ fn impossible_blades_are_refused() {
     assert!(refused(|b| b.pitch = f64::NAN).contains("the pitch is NaN"));
     assert!(refused(|b| b.cells.gap = 0).contains("beside the O-block is 0"));
     assert!(refused(|b| b.slopes[1] = f64::INFINITY).contains("slope of the flow"));
-    assert!(refused(|b| b.first_cell = 1.0).contains("at most the layer"));
+    assert!(refused(|b| b.first_cell = 1.0).contains("less than the layer"));
     // The next blade overlaps.
     assert!(refused(|b| b.pitch = 0.1).contains("inverted"));
 }

@@ -73,8 +73,8 @@ impl ClosedBodyMesh {
         check.count("the number of cells outwards", self.cells[1])?;
         check.count("the number of cells around", self.cells[0])?;
         check.that(self.cells[0] >= 3, "the number of cells around", self.cells[0] as f64, "at least 3")?;
-        let accepted = "at most the radius of the far field less the largest distance of the wall from its centroid";
-        check.that(self.first_cell <= width, "the height of the first cell", self.first_cell, accepted)?;
+        let accepted = "less than the radius of the far field less the largest distance of the wall from its centroid";
+        check.first_cell((self.cells[1], self.first_cell), width, accepted)?;
         Ok(Growth::new(self.cells[1], self.first_cell, width))
     }
 }

@@ -178,7 +178,7 @@ fn impossible_meshes_are_refused() {
     assert!(refused(|m| m.outer_radius = 1.0).contains("largest distance of the wall"));
     assert!(refused(|m| m.outer_radius = f64::INFINITY).contains("far field is inf"));
     assert!(refused(|m| m.first_cell = f64::NAN).contains("first cell is NaN"));
-    assert!(refused(|m| m.first_cell = 19.9).contains("at most the radius"));
+    assert!(refused(|m| m.first_cell = 19.9).contains("less than the radius"));
     assert!(refused(|m| m.cells = [2, 5]).contains("around is 2"));
     assert!(refused(|m| m.cells = [20, 0]).contains("outwards is 0"));
     assert!(refused(|m| m.order = 1).contains("order"));

@@ -167,8 +167,8 @@ fn impossible_ellipsoids_are_refused() {
     refused(EllipsoidMesh { outer_radius: 1.5, ..WING }, &["far field is 1.5", "more than every semi-axis"]);
     refused(EllipsoidMesh { outer_radius: f64::INFINITY, ..WING }, &["far field is inf"]);
     refused(EllipsoidMesh { first_cell: 0.0, ..WING }, &["first cell is 0"]);
-    refused(EllipsoidMesh { first_cell: 19.51, ..SPHERE }, &["first cell is 19.51", "at most the distance"]);
-    refused(EllipsoidMesh { outer_radius: 1e200, ..SPHERE }, &["first cell", "at most the distance"]);
+    refused(EllipsoidMesh { first_cell: 19.51, ..SPHERE }, &["first cell is 19.51", "less than the distance"]);
+    refused(EllipsoidMesh { outer_radius: 1e200, ..SPHERE }, &["first cell", "less than the distance"]);
     for (axis, name) in ["along x", "along y", "along z", "outwards"].into_iter().enumerate() {
         let mut cells = SPHERE.cells;
         cells[axis] = 0;

@@ -68,7 +68,7 @@ pub fn linear_solver(data: &FailureData) -> Option<Cause> {
 
 /// The fastest wave travels over many nodes in a slab.
 pub fn time_step(data: &FailureData) -> Option<Cause> {
-    let gas = data.gas.as_ref().filter(|_| !data.attempt.steady)?;
+    let gas = data.gas.as_ref().filter(|gas| !data.attempt.steady && gas.waves_per_slab > 1.0)?;
     let Attempt { length, halvings, .. } = data.attempt;
     let waves = gas.waves_per_slab;
     Some(Cause {
