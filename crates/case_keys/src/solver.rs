@@ -11,7 +11,7 @@ pub struct Solver {
     /// A slab has converged when the residual has fallen by this factor below that of a state that stays as it is at the bottom of the slab.
     /// The first guess is better, so the residual need not fall as far from there. Bodies and structures have converged when the error of their
     /// positions is this part of their way in the slab, or of the spacing of nodes if that is less. At most 0.1. Mass, momentum and energy
-    /// balance to round-off for any tolerance.
+    /// balance to round-off for any tolerance, but the energy of gas and bodies together only to the tolerance.
     pub newton_tolerance: f64,
     /// A slab has also converged when the residual is below this size, in units of the reference state, or at round-off. At most
     /// 0.1.

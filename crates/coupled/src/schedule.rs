@@ -132,8 +132,9 @@ impl Schedule {
     /// must not shorten later ones.
     pub fn adapt(&self, state: &mut State, interval: Interval, jump: f64, time_order: usize) {
         let Some(control) = self.control else { return };
-        let next = control.next(interval.end - interval.start, jump, time_order);
-        let is_cut = interval.end >= self.latest_end(interval.start);
+        let length = interval.end - interval.start;
+        let next = control.next(length, jump, time_order);
+        let is_cut = interval.end >= self.latest_end(interval.start) && length < (1.0 - SLIVER) * state.step;
         state.step = if is_cut { next.max(state.step) } else { next };
     }
 }

@@ -67,6 +67,9 @@ impl StartLayer {
             self.given = u.to_vec();
         }
         let thickness = FIRST * size(mover, &self.walls) * 2.0_f64.powi(self.attempts);
+        if !(thickness > 0.0 && thickness.is_finite()) {
+            return None;
+        }
         self.attempts += 1;
         u.copy_from_slice(&self.given);
         self.apply(flow, (mover, time), thickness, u);
@@ -119,7 +122,11 @@ fn nodes_on<const D: usize>(mover: &MeshMover<D>, walls: &[usize]) -> Vec<usize>
 /// The size of the flow around the walls: the largest extent of the walls along an axis, or the largest distance from them if that is less.
 fn size<const D: usize>(mover: &MeshMover<D>, walls: &[usize]) -> f64 {
     let distance = BoundaryDistance::new(&mover.reference, walls);
-    let farthest = largest(mover.positions().iter().map(|x| distance.at(x)));
+    // Between two walls one cell apart no node of the mesh may lie inside.
+    let centre = CellMap::on_grid(mover.reference.order(), &[0.0]);
+    let centres =
+        (0..mover.reference.n_cells()).map(|cell| centre.positions(mover.reference.cell_coordinates(cell))[0]);
+    let farthest = largest(mover.positions().iter().copied().chain(centres).map(|x| distance.at(&x)));
     let on_walls = nodes_on(mover, walls);
     let extent = |axis: usize| {
         let along = || on_walls.iter().map(|node| mover.positions()[*node][axis]);

@@ -15,6 +15,8 @@ pub(crate) const TOLERANCE: f64 = 1e-12;
 pub(crate) const ROUND_OFF: f64 = 0.1;
 /// It is an error if the residual stagnates by round-off above this.
 pub(crate) const STALLED: f64 = 1e-5;
+/// Forces below this many times their rounding are rounding: those in a body that moves as a rigid one.
+pub(crate) const ROUNDINGS: f64 = 100.0;
 /// Relative tolerance of the systems of one correction, if the modes are well conditioned.
 pub(crate) const CORRECTION_TOLERANCE: f64 = 1e-6;
 
@@ -104,7 +106,9 @@ impl<const D: usize> Dynamics<D> {
         let (mut report, mut r) = (DynamicsReport::default(), vec![0.0; v.len()]);
         let mut scale = slab.residual(forces, v, &mut r)?;
         let mut norm = self.free_norm(&r);
-        while norm > TOLERANCE * scale {
+        // Forces that vanish leave the rounding of those at the guess.
+        let least = f64::EPSILON * scale;
+        while norm > (TOLERANCE * scale).max(least) && scale > ROUNDINGS * slab.rounding(v) {
             report.iterations += self.correct_once(&r, slab.dt, v)?;
             report.corrections += 1;
             scale = slab.residual(forces, v, &mut r)?;
@@ -113,7 +117,7 @@ impl<const D: usize> Dynamics<D> {
                 break;
             }
         }
-        if norm.is_nan() || norm > STALLED * scale {
+        if norm.is_nan() || norm > (STALLED * scale).max(least).max(ROUNDINGS * slab.rounding(v)) {
             return Err(ElasticityError::Stalled { time: slab.bottom.time, residual: norm / scale });
         }
         Ok(report)

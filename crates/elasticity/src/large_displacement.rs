@@ -23,7 +23,7 @@ const TOLERANCE: f64 = 1e-12;
 const SMALLER: f64 = 0.1;
 
 /// Rounding of a force is about this part of stiffness times displacement.
-const ROUNDING: f64 = 10.0 * f64::EPSILON;
+pub(crate) const ROUNDING: f64 = 10.0 * f64::EPSILON;
 
 /// What Newton's method has cost.
 #[derive(Default)]
@@ -87,18 +87,12 @@ impl<const D: usize> ElasticEquations for StructureMotion<'_, D> {
         let _ = self.modal.solve(self.slab.structure, self.slab.dt, PRECONDITIONER_TOLERANCE, w);
     }
     fn round_off(&self, v: &[f64]) -> Option<f64> {
-        let StructureSlab { structure, motion, bottom, dt, .. } = &self.slab;
-        let mut d = vec![0.0; structure.length()];
-        let of_node = |a: usize| {
-            motion.displacement_at_node(*dt, bottom.displacement, v, a, &mut d);
-            (dt * motion.time().weights()[a] * rounding(structure, &d)).powi(2)
-        };
-        Some((0..motion.time().order()).map(of_node).sum::<f64>().sqrt())
+        Some(self.slab.rounding(v))
     }
 }
 
 /// The rounding of R(d).
-fn rounding<const D: usize>(structure: &Structure<D>, d: &[f64]) -> f64 {
+pub(crate) fn rounding<const D: usize>(structure: &Structure<D>, d: &[f64]) -> f64 {
     let forces: Vec<f64> = structure.force_scales(0.0).into_iter().zip(d).map(|(k, d)| k * d).collect();
     ROUNDING * Euclidean.norm(&forces)
 }

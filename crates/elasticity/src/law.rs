@@ -5,13 +5,15 @@
 //! P = 2 mu_s eps + lambda_s tr(eps) I
 //!
 //! Psi = mu_s/2 (|F|^2 - D - 2 ln J) + lambda_s/2 (ln J)^2,   F = I + H,  J = det F                               (neo-Hookean)
-//! P = mu_s (F - F^{-T}) + lambda_s ln J F^{-T}
+//! P = mu_s (F - F^{-T}) + lambda_s ln J F^{-T},   F - F^{-T} = H + H^T F^{-T},   J = 1 + e,   e = tr H + .. + det H
 //!
 //! Psi = mu_s eps_G : eps_G + lambda_s/2 tr(eps_G)^2,       eps_G = (F^T F - I) / 2                      (St. Venant-Kirchhoff)
 //! P = F (2 mu_s eps_G + lambda_s tr(eps_G) I)
 //! ```
 //!
-//! They agree to first order in H. The linear law costs one solve, but treats a rotation as a strain: after a large rotation its
+//! The right-hand forms of (neo-Hookean) lose no digits where the strain is small.
+//!
+//! The laws agree to first order in H. The linear law costs one solve, but treats a rotation as a strain: after a large rotation its
 //! cells invert. The other laws are invariant under rotations. In the neo-Hookean law -ln J prevents the collapse of cells at the
 //! points where Psi is integrated. The law of St. Venant and Kirchhoff is for large displacements of small strain: it does not resist
 //! a compression to less than about half of the length.
@@ -104,18 +106,25 @@ impl PointLaw for NeoHookean {
     #[inline(always)]
     fn stress<T: Real, const D: usize>(self, gradient: &[[T; D]; D], _: &[[T; D]; D]) -> PointStress<T, D> {
         let Lame { lambda, mu } = self.0;
-        let f = plus_identity(gradient);
-        let cofactor = cofactor(&f);
-        let j = determinant(&f, &cofactor);
+        let mut inverse = cofactor(&plus_identity(gradient));
+        let Volume { ratio, logarithm } = volume(gradient);
         // F^{-T} = cof F / J
-        let factor = (j.ln() * lambda - mu) / j;
-        let mut piola = f;
-        for i in 0..D {
-            for k in 0..D {
-                piola[i][k] = factor.mul_add(cofactor[i][k], f[i][k] * mu);
+        for row in &mut inverse {
+            for entry in row {
+                *entry = *entry / ratio;
             }
         }
-        PointStress { piola, volume_ratio: j }
+        let (pressure, mut piola) = (logarithm * lambda, *gradient);
+        for i in 0..D {
+            for k in 0..D {
+                let mut sum = gradient[i][k];
+                for l in 0..D {
+                    sum = gradient[l][i].mul_add(inverse[l][k], sum);
+                }
+                piola[i][k] = pressure.mul_add(inverse[i][k], sum * mu);
+            }
+        }
+        PointStress { piola, volume_ratio: ratio }
     }
 }
 
@@ -123,10 +132,39 @@ impl Hyperelastic for NeoHookean {
     #[inline(always)]
     fn energy<T: Real, const D: usize>(self, gradient: &[[T; D]; D]) -> T {
         let Lame { lambda, mu } = self.0;
-        let f = plus_identity(gradient);
-        let ln_j = determinant(&f, &cofactor(&f)).ln();
-        (contraction(&f, &f) - D as f64 - ln_j * 2.0) * (0.5 * mu) + ln_j * ln_j * (0.5 * lambda)
+        let ln_j = volume(gradient).logarithm;
+        // |F|^2 - D = 2 tr H + |H|^2
+        let stretch = contraction(gradient, gradient) + (trace(gradient) - ln_j) * 2.0;
+        stretch * (0.5 * mu) + ln_j * ln_j * (0.5 * lambda)
     }
+}
+
+/// J and ln J.
+struct Volume<T> {
+    ratio: T,
+    logarithm: T,
+}
+
+/// J = 1 + e of H. The rounding of that sum is exact as e - (J - 1), so ln J = ln(1 + e) has all digits where e is small.
+#[inline(always)]
+fn volume<T: Real, const D: usize>(gradient: &[[T; D]; D]) -> Volume<T> {
+    let cofactor = cofactor(gradient);
+    let mut e = trace(gradient) + determinant(gradient, &cofactor);
+    if D == 3 {
+        // The principal minors of H
+        e += trace(&cofactor);
+    }
+    let ratio = e + 1.0;
+    Volume { ratio, logarithm: ratio.ln() + (e - (ratio - 1.0)) / ratio }
+}
+
+#[inline(always)]
+fn trace<T: Real, const D: usize>(a: &[[T; D]; D]) -> T {
+    let mut sum = a[0][0];
+    for i in 1..D {
+        sum += a[i][i];
+    }
+    sum
 }
 
 /// (St. Venant-Kirchhoff)

@@ -100,7 +100,7 @@ pub use modes::{NaturalMode, natural_modes};
 pub use newton_krylov::cg::Report;
 pub use slab::{ElasticSlab, MAX_TIME_ORDER, SlabMotion};
 pub use solid::{Field, MaterialProperty, Solid};
-pub use solver::{Plan, Solver};
+pub use solver::{Plan, Solver, factor_bytes};
 pub use statics::Statics;
 pub use stiffness::Stiffness;
 pub use structure::{Damping, Structure};

@@ -6,8 +6,8 @@
 //!
 //! Method: inverse iteration of a block of vectors with Rayleigh-Ritz. X := (K + s M)^{-1} M X, then the small eigenproblem of X.KX for
 //! X.MX = I, whose eigenvectors rotate X. Let p be the first mode outside the block. Mode k gains the factor (omega_k^2 + s) / (omega_p^2 +
-//! s) per iteration. The shift s > 0, small beside omega_p^2, allows rigid motions. A block, not a single vector, finds modes of equal
-//! frequency.
+//! s) per iteration. The shift s > 0 allows rigid motions. It is that of a compact body at first, and falls with the frequencies that are found
+//! until it is small beside omega_p^2. A block, not a single vector, finds modes of equal frequency.
 
 use crate::shifted::Shifted;
 use crate::{ElasticityError, Structure};
@@ -17,8 +17,14 @@ use rayon::prelude::*;
 
 /// Vectors of the block beyond the requested modes.
 const GUARD: usize = 8;
-/// omega^2 + s has converged when its relative change is below this.
+/// omega^2 has converged when its change is below this, relative to omega^2 and RIGID times s: rigid motions have no frequency.
 const TOLERANCE: f64 = 1e-10;
+/// See `TOLERANCE`.
+const RIGID: f64 = 1e-2;
+/// A shift above this part of the highest omega^2 of the block is replaced by SMALL times that.
+const LARGE: f64 = 0.5;
+/// See `LARGE`.
+const SMALL: f64 = 0.1;
 /// Relative tolerance of a solve with K + s M.
 const SOLVE_TOLERANCE: f64 = 1e-10;
 /// Iterations after which the search gives up: five times the number for a slender beam.
@@ -55,13 +61,20 @@ pub fn natural_modes<const D: usize>(
         return Err(ElasticityError::TooManyModes { wanted: count, free });
     }
     let size = (count + GUARD).min(free);
-    let s = structure.typical_shift();
-    let shifted = structure.shifted(s, Vec::new(), &[])?;
+    let mut s = structure.typical_shift();
+    let mut shifted = structure.shifted(s, Vec::new(), &[])?;
     let mut block = Block { x: start(structure, size), omega_squared: vec![f64::INFINITY; size] };
     for _ in 0..MAX_ITERATIONS {
         let old = std::mem::take(&mut block.omega_squared);
         block = block.iterate(structure, &shifted)?;
-        let settled = |k: usize| (block.omega_squared[k] - old[k]).abs() <= TOLERANCE * (block.omega_squared[k] + s);
+        let highest = block.omega_squared[size - 1];
+        if s > LARGE * highest && highest > 0.0 {
+            s = SMALL * highest;
+            shifted = structure.shifted(s, Vec::new(), &[])?;
+            continue;
+        }
+        let settled =
+            |k: usize| (block.omega_squared[k] - old[k]).abs() <= TOLERANCE * (block.omega_squared[k] + RIGID * s);
         if (0..count).all(settled) {
             return Ok(block.into_modes(count));
         }

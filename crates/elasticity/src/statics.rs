@@ -9,8 +9,8 @@
 //! It holds at the time nodes of a slab. In between d is the polynomial through them and the bottom, (motion) of `slab`. Works and
 //! energies are defined as in `structure_slab`, without the kinetic terms.
 
-use crate::dynamics::{CORRECTION_TOLERANCE, DynamicsReport, ROUND_OFF, STALLED, TOLERANCE};
-use crate::large_displacement::{self, StructureEquilibrium};
+use crate::dynamics::{CORRECTION_TOLERANCE, DynamicsReport, ROUND_OFF, ROUNDINGS, STALLED, TOLERANCE};
+use crate::large_displacement::{self, StructureEquilibrium, rounding};
 use crate::shifted::Shifted;
 use crate::structure_slab::{SlabBottom, StructureSlab};
 use crate::{ElasticityError, Inversion, Loads, SlabMotion, Structure};
@@ -147,7 +147,9 @@ impl<const D: usize> Structure<D> {
     fn balance(&self, stiffness: &Shifted<D>, t: f64, f: &[f64], d: &mut [f64]) -> Result<usize, ElasticityError> {
         let (mut r, mut increment, mut iterations) = (vec![0.0; d.len()], vec![0.0; d.len()], 0);
         let (mut norm, mut scale) = self.imbalance(f, d, &mut r);
-        while norm > TOLERANCE * scale {
+        // Loads that vanish leave the rounding of the forces at the guess; a body that is moved as a rigid one has no others.
+        let least = f64::EPSILON * scale;
+        while norm > (TOLERANCE * scale).max(least) && scale > ROUNDINGS * rounding(self, d) {
             iterations += stiffness.solve(self, &r, &mut increment, CORRECTION_TOLERANCE)?;
             d.iter_mut().zip(&increment).for_each(|(d, increment)| *d += increment);
             let before = norm;
@@ -156,7 +158,7 @@ impl<const D: usize> Structure<D> {
                 break;
             }
         }
-        if norm.is_nan() || norm > STALLED * scale {
+        if norm.is_nan() || norm > (STALLED * scale).max(least).max(ROUNDINGS * rounding(self, d)) {
             return Err(ElasticityError::Stalled { time: t, residual: norm / scale });
         }
         Ok(iterations)

@@ -29,6 +29,7 @@
 
 mod pressure_impulse;
 
+use crate::large_displacement::{ROUNDING, rounding};
 use crate::slab::accumulate;
 use crate::{ElasticityError, Inversion, Loads, SlabMotion, Structure};
 use fem::Clock;
@@ -118,6 +119,22 @@ impl<const D: usize> StructureSlab<'_, D> {
         self.add_pressure_impulses(v, &mut loads);
         (0..v.len()).for_each(|i| r[i] = inertia[i] + elastic[i] - loads[i]);
         Ok([&inertia, &elastic, &loads].map(|part| Euclidean.norm(part)).into_iter().sum())
+    }
+
+    /// The rounding of R(V): that of stiffness times displacement, and that of mass times velocity.
+    pub(crate) fn rounding(&self, v: &[f64]) -> f64 {
+        let (time, length) = (self.motion.time(), self.structure.length());
+        let (mut d, mut momentum) = (vec![0.0; length], vec![0.0; length]);
+        let of_node = |a: usize| {
+            let at_node = &v[a * length..(a + 1) * length];
+            let speeds: Vec<f64> =
+                self.bottom.velocity.iter().zip(at_node).map(|(below, v)| below.abs() + v.abs()).collect();
+            self.structure.apply_mass(&speeds, &mut momentum);
+            self.motion.displacement_at_node(self.dt, self.bottom.displacement, v, a, &mut d);
+            let elastic = self.dt * time.weights()[a] * rounding(self.structure, &d);
+            elastic.powi(2) + (ROUNDING * Euclidean.norm(&momentum)).powi(2)
+        };
+        (0..time.order()).map(of_node).sum::<f64>().sqrt()
     }
 
     /// out := (dR/dV)(V) w, at fixed entries too.

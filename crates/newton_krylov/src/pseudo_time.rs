@@ -68,15 +68,16 @@ struct FieldState {
 }
 
 impl PseudoTime {
-    /// Starts the rule at the norms |R_k| of the fields.
-    pub fn new(settings: Settings, field_norms: &[f64]) -> Self {
-        let inverse = settings.initial_inverse;
-        Self {
-            settings,
-            fields: field_norms.iter().map(|&norm| FieldState { norm, inverse }).collect(),
-            inverse: vec![inverse; field_norms.len()],
-            rejected: false,
-        }
+    /// Starts the rule at the norms |R_k| of the fields. A field within its tolerance is not damped: any other norm would be many times that
+    /// one, and the damping would grow.
+    pub fn new(settings: Settings, field_norms: &[f64], tolerances: &[f64]) -> Self {
+        let start = |(&norm, &tolerance): (&f64, &f64)| {
+            let inverse = if norm > tolerance { settings.initial_inverse } else { 0.0 };
+            FieldState { norm, inverse }
+        };
+        let fields: Vec<FieldState> = field_norms.iter().zip(tolerances).map(start).collect();
+        let inverse = fields.iter().map(|field| field.inverse).collect();
+        Self { settings, fields, inverse, rejected: false }
     }
 
     /// 1/dtau_k of each field.
@@ -138,9 +139,18 @@ mod tests {
         recovery: 1.0,
     };
 
+    /// The mesh of a slab begins in equilibrium. Its damping grew with every step that moved its boundary.
+    #[test]
+    fn a_field_that_is_solved_at_the_start_is_not_damped() {
+        let mut rule = PseudoTime::new(DAMPED, &[1.0, 1e-12], &[1e-8, 1e-8]);
+        assert_eq!(rule.inverse(), [DAMPED.initial_inverse, 0.0]);
+        rule.accept(&[0.5, 1e-2], 1.0);
+        assert_eq!(rule.inverse()[1], 0.0);
+    }
+
     #[test]
     fn each_field_follows_its_own_residual() {
-        let mut rule = PseudoTime::new(DAMPED, &[1.0, 1e-6]);
+        let mut rule = PseudoTime::new(DAMPED, &[1.0, 1e-6], &[0.0; 2]);
         rule.accept(&[0.25, 0.5e-6], 1.0);
         assert_eq!(rule.inverse(), [2.0, 4.0]);
         rule.accept(&[0.5, 0.5e-6], 1.0);
@@ -149,21 +159,21 @@ mod tests {
 
     #[test]
     fn the_power_sharpens_the_rule() {
-        let mut rule = PseudoTime::new(Settings { power: 2.0, ..DAMPED }, &[1.0]);
+        let mut rule = PseudoTime::new(Settings { power: 2.0, ..DAMPED }, &[1.0], &[0.0]);
         rule.accept(&[0.5], 1.0);
         assert_eq!(rule.inverse(), [2.0]);
     }
 
     #[test]
     fn a_step_grows_or_falls_by_a_limited_factor() {
-        let mut rule = PseudoTime::new(DAMPED, &[1.0, 1.0]);
+        let mut rule = PseudoTime::new(DAMPED, &[1.0, 1.0], &[0.0; 2]);
         rule.accept(&[0.01, 1e4], 1.0);
         assert_eq!(rule.inverse(), [0.8, 80.0]);
     }
 
     #[test]
     fn a_field_is_switched_off_for_good_once_it_has_converged_far_enough() {
-        let mut rule = PseudoTime::new(DAMPED, &[1.0, 1.0]);
+        let mut rule = PseudoTime::new(DAMPED, &[1.0, 1.0], &[0.0; 2]);
         rule.accept(&[1e-3, 0.5], 1.0);
         assert_eq!(rule.inverse(), [0.0, 4.0]);
         rule.accept(&[2.0, 0.5], 1.0);
@@ -174,7 +184,7 @@ mod tests {
 
     #[test]
     fn a_rejected_step_switches_on_or_damps_more_but_not_a_field_that_has_converged() {
-        let mut rule = PseudoTime::new(Settings { initial_inverse: 0.0, ..DAMPED }, &[1.0, 1e-12]);
+        let mut rule = PseudoTime::new(Settings { initial_inverse: 0.0, ..DAMPED }, &[1.0, 1e-12], &[0.0; 2]);
         assert!(!rule.is_active());
         assert!(rule.reject(&[1.0, 1e-12], &[1e-8, 1e-8]));
         assert_eq!(rule.inverse(), [1.0, 0.0]);
@@ -186,7 +196,7 @@ mod tests {
 
     #[test]
     fn after_a_rejection_full_steps_lengthen_pseudo_time_though_the_residual_grows() {
-        let mut rule = PseudoTime::new(Settings { recovery: 2.0, ..DAMPED }, &[1.0]);
+        let mut rule = PseudoTime::new(Settings { recovery: 2.0, ..DAMPED }, &[1.0], &[0.0]);
         rule.accept(&[1.5], 1.0);
         assert_eq!(rule.inverse(), [12.0], "nothing was rejected yet");
         assert!(rule.reject(&[1.5], &[1e-8]));
@@ -202,7 +212,7 @@ mod tests {
     #[test]
     fn a_rejection_that_changes_nothing_says_so() {
         let never = Settings { initial_inverse: 0.0, restart_inverse: 0.0, ..DAMPED };
-        assert!(!PseudoTime::new(never, &[1.0]).reject(&[1.0], &[1e-8]));
-        assert!(!PseudoTime::new(DAMPED, &[1e-9]).reject(&[1e-9], &[1e-8]));
+        assert!(!PseudoTime::new(never, &[1.0], &[0.0]).reject(&[1.0], &[1e-8]));
+        assert!(!PseudoTime::new(DAMPED, &[1e-9], &[0.0]).reject(&[1e-9], &[1e-8]));
     }
 }

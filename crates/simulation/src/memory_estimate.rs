@@ -4,6 +4,7 @@ mod mesh;
 
 use crate::averages::Moments;
 use crate::error::Failure;
+use ::mesh::{Mesh, NodeNumbering};
 use case::memory;
 use case::{Case, Flow, Preconditioner, Steady, SteadyBodies};
 use coupled::preconditioner::{CoarseLevelUse, LOW_ORDER_VECTORS, coarse_functions_per_direction, padded};
@@ -61,12 +62,19 @@ pub struct MemoryEstimate {
     pub steady: Option<[usize; 2]>,
 }
 
+/// The factor of a structure.
+fn structure<const D: usize>(case: &Case<D>) -> usize {
+    let Some(structure) = &case.structure else { return 0 };
+    let mesh: &Mesh<D> = structure.part.as_ref().map_or(&case.mesh, |part| &part.mesh);
+    elasticity::factor_bytes(D, D * NodeNumbering::new(mesh, mesh.order()).count)
+}
+
 impl MemoryEstimate {
     /// Of a run of `case`, whose elastic mesh has the solver of `plan`.
     pub fn new<const D: usize>(case: &Case<D>, plan: Option<&elasticity::Plan>) -> Self {
         let memory = MemoryEstimate::of_flow(case);
         let solver = plan.map_or(0, |plan| plan.bytes);
-        MemoryEstimate { mesh: memory.mesh + solver, ..memory }
+        MemoryEstimate { mesh: memory.mesh + solver + structure(case), ..memory }
     }
 
     /// The same without the solver of the mesh, whose plan takes long.

@@ -261,3 +261,57 @@ fn damping_is_no_numerical_dissipation() {
         ["damped", "numerical_dissipation"].map(|name| number(&told["bodies"]["structure"], name));
     assert!(damped > 1e-4 && numerical.abs() < 1e-3 * damped, "{damped:e} {numerical:e}");
 }
+
+/// A body of the linear law, or another one, on a mesh of `order`; the displacements of the point `a` along x.
+fn tip(order: usize, body: &str, time: &str) -> Vec<f64> {
+    let directory = TempDir::new().unwrap();
+    let text = format!(
+        "mesh = {{ order = {order}, generate.box = {{ lower = [0, 0], upper = [1, 1], cells = [2, 2] }} }}\ntime = {{ {time} }}\n[structure]\n\
+         poisson_ratio = 0.3\ndensity = 1\npoints = {{ a = [1, 1] }}\n{body}"
+    );
+    std::fs::write(directory.path().join("case.toml"), text).unwrap();
+    stsolve(directory.path(), &["run", "case.toml", "--output", "run", "--quiet"]).expect(0, &[]);
+    column(&directory.path().join("run"), "a_x")
+}
+
+/// The forces in a body that moves as a rigid one are rounding, and cannot fall below it. The run failed at once, or when a vibration had decayed.
+#[test]
+fn a_body_without_forces_goes_on() {
+    let free = "young_modulus = 100\nboundary = { others = \"free\" }\n";
+    let moves = tip(2, &format!("{free}initial = {{ velocity = [1, 0] }}"), "order = 2, end = 1, slabs = 10");
+    assert!((moves.last().unwrap() - 1.0).abs() < 1e-12, "{moves:?}");
+    let struck = format!("{free}damping = {{ stiffness = 0.01 }}\ninitial = {{ velocity = [\"2*x\", 0] }}");
+    let drifts = tip(3, &struck, "order = 2, end = 20, slabs = 100");
+    assert!((drifts.last().unwrap() - 20.0).abs() < 1e-8, "{drifts:?}");
+    let carried = "analysis = \"static\"\nyoung_modulus = 1\nboundary = { left = { displacement = [\"t\", 0] }, others = \"free\" }\n";
+    let carried = tip(3, carried, "order = 1, end = 1, slabs = 4");
+    assert!((carried.last().unwrap() - 1.0).abs() < 1e-12, "{carried:?}");
+}
+
+/// A load that returns to zero leaves no force to which a residual could be compared.
+#[test]
+fn a_load_that_ends_leaves_no_displacement() {
+    let body = "analysis = \"static\"\nyoung_modulus = 1\nboundary = { left = \"fixed\", right = { traction = [\"0.01*max(0,1-t)\", 0] }, \
+                others = \"free\" }\n";
+    for law in ["linear", "neo_hookean", "st_venant_kirchhoff"] {
+        let x = tip(4, &format!("law = \"{law}\"\n{body}"), "order = 1, end = 2, slabs = 4");
+        assert!(x[0] > 1e-3 && x[1..].iter().all(|x| x.abs() < 1e-12), "{law}: {x:?}");
+    }
+}
+
+/// At the strains of metals P = mu (F - F^-T) + .. had lost the digits that the tolerance asks for.
+#[test]
+fn neo_hookean_bodies_have_small_strains_too() {
+    let pulled = |young: f64, traction: f64| {
+        let body = format!(
+            "analysis = \"static\"\nlaw = \"neo_hookean\"\nyoung_modulus = {young:e}\nboundary = {{ left = {{ held = [\"x\"] }}, bottom = {{ held = \
+             [\"y\"] }}, right = {{ traction = [\"{traction:e}*t\", 0] }}, top = \"free\" }}\n"
+        );
+        *tip(4, &body, "order = 1, end = 1, slabs = 10").last().unwrap()
+    };
+    // Plane strain: (1 - nu^2) p / E
+    for (young, traction, tolerance) in [(2e11, 1e8, 1e-3), (2e11, 1e6, 1e-5), (1.0, 1e-9, 1e-8)] {
+        let (found, linear) = (pulled(young, traction), 0.91 * traction / young);
+        assert!((found / linear - 1.0).abs() < tolerance, "{traction:e}: {found:e} for {linear:e}");
+    }
+}

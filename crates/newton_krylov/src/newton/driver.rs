@@ -79,7 +79,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         let references = references.unwrap_or(&field_norms);
         assert_eq!(references.len(), field_norms.len(), "one reference norm per field");
         let tolerances = Tolerances::new(settings, references);
-        let pseudo_time = PseudoTime::new(settings.pseudo_time, &field_norms);
+        let pseudo_time = PseudoTime::new(settings.pseudo_time, &field_norms, &tolerances.fields);
         report.initial_norm = norm;
         report.initial_field_norms = field_norms;
         let best = Best::new(norm);
