@@ -268,7 +268,7 @@ fn weights_vanish_on_other_bodies_and_are_periodic() {
     check(&periodic.replace("0.1*x*t", "0.1*sin(2*pi*x)*t"), "");
 }
 
-/// The wall of a body that turns was bent in the last layer of cells, where it goes on through a periodic side; a node that a boundary and a body
+/// The wall of a body that turns was bent in the last layer of cells, where it goes on through a periodic side. A node that a boundary and a body
 /// move went with the sum of both motions.
 #[test]
 fn a_body_alone_moves_its_nodes_to_one_place() {

@@ -28,6 +28,12 @@ const SHORTEST: f64 = 1e-3;
 /// rounding, as the lift of a symmetric body.
 const SMALL: f64 = 1e-2;
 
+/// A flow that changes by less is at rest also if its change rises again: inviscid gas at rest has modes that nothing damps.
+const UNDAMPED: f64 = 1e-5;
+
+/// So many slabs of rising changes in a row tell such a mode.
+const RISES: usize = 3;
+
 /// Slabs after which the search is given up.
 const SLABS: usize = 80;
 
@@ -93,7 +99,7 @@ pub fn find_equilibrium<const D: usize, const M: usize>(
     // The jump is an L2 norm over the domain.
     let mut largest_jump = SMALL * march.solver.system.mover().reference.volume().sqrt();
     let (mut steps, mut iterations) = (0, 0);
-    let (mut flow, mut bodies) = (1.0, 1.0);
+    let (mut flow, mut bodies, mut rises) = (f64::INFINITY, 1.0, 0);
     for slabs in 1..=SLABS {
         let before = march.state.d.clone();
         let step = march.state.step;
@@ -101,11 +107,14 @@ pub fn find_equilibrium<const D: usize, const M: usize>(
         steps += report.newton.steps.len();
         iterations += report.newton.krylov_iterations;
         largest_jump = largest_jump.max(report.jump);
-        (flow, bodies) = (report.jump / largest_jump, way(&before, &march.state.d, SMALL * length));
+        let jump = report.jump / largest_jump;
+        rises = if jump > flow { rises + 1 } else { 0 };
+        (flow, bodies) = (jump, way(&before, &march.state.d, SMALL * length));
         // A slab that could not be solved has been shortened.
         let solved = report.interval.end - report.interval.start;
         tracing::info!(slabs, length = solved, flow, bodies, "equilibrium");
-        if flow <= tolerance && bodies <= tolerance && solved >= TELLING * first {
+        let rests = flow <= tolerance || (rises >= RISES && flow <= UNDAMPED);
+        if rests && bodies <= tolerance && solved >= TELLING * first {
             return Ok(Equilibrium { report: at_rest(start, report, &mut march.state), slabs, steps, iterations });
         }
     }
