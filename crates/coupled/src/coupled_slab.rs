@@ -65,8 +65,8 @@ const QUIET: f64 = 1e-6;
 /// A slab whose Newton steps stay short fails early, and is halved.
 const SHORT_STEPS: ShortSteps = ShortSteps { steps: 4, left: 0.8 };
 
-/// The same for the first attempt at the first slab, if the start can be made easier: one short step ends it.
-const SHORT_FIRST_STEP: ShortSteps = ShortSteps { steps: 1, left: 0.9 };
+/// The same for the first attempt at the first slab, if the start can be made easier: one short step ends it. A step of an eighth leaves 0.875.
+const SHORT_FIRST_STEP: ShortSteps = ShortSteps { steps: 1, left: 0.85 };
 
 /// The largest number of Krylov iterations per Newton step of that attempt.
 const FIRST_ITERATIONS: usize = 40;
