@@ -215,7 +215,8 @@ fn drive_in<const D: usize, const M: usize, R: Run>(
     origin.iter().flat_map(|start| &start.warnings).for_each(|warning| tracing::warn!("{warning}"));
     failure::clear(session.directory.path())?;
     let mut statistics = restore(&mut run, resumed.as_ref().or(origin_state), case)?;
-    if resumed.is_none() && origin.is_some_and(|start| start.is_measured_anew) {
+    let is_measured_anew = origin.is_some_and(|start| start.is_measured_anew);
+    if resumed.is_none() && is_measured_anew && !statistics.totals_at_start.is_empty() {
         run.begin_balances(&mut statistics);
     }
     // A run whose search for the steady flow has failed has not begun.

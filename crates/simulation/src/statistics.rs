@@ -261,7 +261,9 @@ impl RunStatistics {
 
     /// Begins the balances anew with the integrals `totals`: another quadrature measures other integrals of the same flow.
     pub fn rebase(&mut self, totals: Vec<f64>) {
-        self.totals_at_start = totals.iter().zip(&self.left).map(|(total, left)| total + left).collect();
+        // Nothing has left before the first slab.
+        let left = self.left.iter().copied().chain(std::iter::repeat(0.0));
+        self.totals_at_start = totals.iter().zip(left).map(|(total, left)| total + left).collect();
     }
 
     /// As named numbers.

@@ -180,6 +180,8 @@ fn a_first_slab_that_cannot_be_solved_is_solved_in_a_split_form() {
     outcome.expect(0, &["goes on from t = 0 in a split form"]);
     let (run, rejected) = (directory.path().join("run"), column(&directory.path().join("run"), "rejected"));
     assert_eq!((number(&summary(&run), "split_form_since"), rejected.len()), (0.0, 4));
+    // The balances began with nothing, and were no numbers.
+    assert!(column(&run, "mass_error").iter().all(|error| error.abs() < 1e-10));
     // All attempts count: the halves were lost with the checkpoint.
     assert!(
         rejected[0] > 2.0 && number(&summary(&run), "rejected_slabs") == rejected.iter().sum::<f64>(),
