@@ -8,7 +8,7 @@
 //!
 //! for an observer at rest, with the velocities w of the gas and v of the boundary: total pressure, total temperature, static pressure, normal
 //! velocity. A case with one inflow and one outflow has a loss. The weight is the signed mass flow: gas that flows back counts negatively. With
-//! backflow <q> may therefore lie outside of the values on the boundary, and it has no limit where the mass flow vanishes.
+//! backflow `<q>` may therefore lie outside of the values on the boundary, and it has no limit where the mass flow vanishes.
 
 use super::history::openings;
 use case::{Case, Flow};
