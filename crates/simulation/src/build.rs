@@ -126,6 +126,7 @@ fn system<const D: usize, const M: usize>(
     let bodies = bodies(case, flow, &mover.numbering, &mut operator)?;
     let mut system = System::with_bodies(operator, mover, bodies);
     system.flow.preconditioner.method = method(case.preconditioner());
+    system.kinetic_scale = 2.0 * flow.law.reference.dynamic_pressure();
     Ok(system)
 }
 

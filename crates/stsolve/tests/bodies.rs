@@ -63,6 +63,28 @@ fn a_body_that_hardly_moves_in_a_slab_moves() {
     }
 }
 
+/// Jumps of bodies count in units of rho U^2: with a dense gas in front of a heavy piston the slabs are the same.
+#[test]
+fn adapted_slabs_of_a_body_are_the_same_in_all_units() {
+    let directory = TempDir::new().unwrap();
+    let times = |density: f64| {
+        let set = [
+            "flow.order=3".to_owned(),
+            "mesh.generate.box.cells=[4,1]".to_owned(),
+            "time={order=2,end=1,step=0.05,adaptive={tolerance=1e-3}}".to_owned(),
+            format!("flow.initial.expression={{density={density:e},velocity=[0,0],pressure=\"{density:e}*p0\"}}"),
+            format!("flow.reference={{density={density:e},speed=1,pressure=\"{density:e}/1.4\"}}"),
+            format!("bodies.piston.mass={density:e}"),
+        ];
+        on_case(directory.path(), "run", "piston_free", &set.each_ref().map(String::as_str), "run", &["--force"])
+            .expect(0, &[]);
+        column(&directory.path().join("run"), "t")
+    };
+    let (light, dense) = (times(1.0), times(1e4));
+    assert!(light.len() == dense.len() && light.len() > 5, "{light:?} {dense:?}");
+    assert!(light.iter().zip(&dense).all(|(a, b)| (a / b - 1.0).abs() < 1e-4), "{light:?} {dense:?}");
+}
+
 /// Gas, a free piston and a wall that move with one velocity keep it, while the mesh between them stretches.
 #[test]
 fn bodies_that_move_with_the_stream_leave_it_alone() {
