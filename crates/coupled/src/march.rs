@@ -108,7 +108,14 @@ impl<S: SlabSolver> March<S> {
                 self.state.failed.get_or_insert(interval);
                 "it is halved".into()
             }
-            None => return Err(MarchError::new(&self.state, interval, source)),
+            None => {
+                // Attempts with an easier start are rejected, too, at the same length.
+                let shortened = match self.schedule.control {
+                    None => interval.halvings as usize,
+                    Some(_) => self.state.rejected,
+                };
+                return Err(MarchError::new(&self.state, interval, shortened, source));
+            }
         };
         tracing::warn!(start = interval.start, end = interval.end, cause, "slab rejected: {remedy}");
         self.solver.reject();

@@ -123,10 +123,8 @@ pub struct MarchError {
 }
 
 impl MarchError {
-    /// `interval`, the next one of `state`, has failed because of `source`.
-    pub(crate) fn new(state: &State, interval: Interval, source: SlabError) -> Self {
-        // Adapted slabs are not counted as halves.
-        let shortened = if interval.halvings > 0 { interval.halvings as usize } else { state.rejected };
+    /// `interval`, the next one of `state`, has failed because of `source`, after it was `shortened` so often.
+    pub(crate) fn new(state: &State, interval: Interval, shortened: usize, source: SlabError) -> Self {
         MarchError { slab: state.slab + 1, interval, shortened, source }
     }
 }
