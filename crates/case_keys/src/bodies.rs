@@ -46,6 +46,23 @@ pub struct Body {
     pub mesh: Option<FollowingMesh>,
 }
 
+impl Body {
+    /// The coordinates that a body may have, with their keys: translations, then rotations about `axis` and about x, y and z.
+    pub fn coordinates(&self) -> [(&'static str, Option<&Freedom>); 7] {
+        let Body { x, y, z, rotation, rotation_x, rotation_y, rotation_z, .. } = self;
+        [
+            ("x", x),
+            ("y", y),
+            ("z", z),
+            ("rotation", rotation),
+            ("rotation_x", rotation_x),
+            ("rotation_y", rotation_y),
+            ("rotation_z", rotation_z),
+        ]
+        .map(|(name, freedom)| (name, freedom.as_ref()))
+    }
+}
+
 /// A translation or rotation of a body. An empty section makes it free, without spring and damper.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -225,8 +225,9 @@ impl<const D: usize, const M: usize> System<D, M> {
 
     /// The counts since this was last called.
     pub(crate) fn take_counts(&mut self) -> Counts {
-        let elasticity_iterations = std::mem::take(&mut self.mesh.iterations);
-        Counts { elasticity_iterations, ..std::mem::take(&mut self.flow.counts) }
+        let counts = self.counts();
+        self.set_counts(Counts::default());
+        counts
     }
 
     /// Block lower triangular: each block after the effect of the blocks before it.

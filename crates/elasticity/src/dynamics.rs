@@ -1,6 +1,7 @@
 //! The motion of a structure, slab by slab: (dynamics) of `structure_slab`. The temporal modes of `modal` solve linear equations,
 //! `large_displacement` all others.
 
+use crate::corrections::{self, Corrections, LinearEquations};
 use crate::large_displacement::{self, StructureMotion};
 use crate::modal::{ModalSolver, SlabSystems, nominal_length};
 use crate::structure_slab::{SlabBottom, SlabWork, StructureSlab};
@@ -9,14 +10,6 @@ use basis::{RadauTime, TemporalModes};
 use fem::Clock;
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 
-/// A slab is solved when its residual, relative to the forces in it, is this small ...
-pub(crate) const TOLERANCE: f64 = 1e-12;
-/// ... or when a correction leaves more than this fraction of it, so that only round-off is left.
-pub(crate) const ROUND_OFF: f64 = 0.1;
-/// It is an error if the residual stagnates by round-off above this.
-pub(crate) const STALLED: f64 = 1e-5;
-/// Forces below this many times their rounding are rounding: those in a body that moves as a rigid one.
-pub(crate) const ROUNDINGS: f64 = 100.0;
 /// Relative tolerance of the systems of one correction, if the modes are well conditioned.
 pub(crate) const CORRECTION_TOLERANCE: f64 = 1e-6;
 
@@ -27,6 +20,8 @@ pub struct Dynamics<const D: usize> {
     motion: SlabMotion,
     /// Relative tolerance of the systems of one correction.
     tolerance: f64,
+    /// The scales of forces per displacement.
+    scales: Vec<f64>,
     /// The length of most slabs.
     step: f64,
     /// The systems of the slab last solved.
@@ -60,7 +55,8 @@ impl<const D: usize> Dynamics<D> {
         let condition = TemporalModes::new(motion.time()).condition(motion.time());
         let tolerance = (1e-4 / condition).clamp(1e-12, CORRECTION_TOLERANCE);
         let modal = ModalSolver::new(&structure, motion.time(), alone(step))?;
-        Ok(Dynamics { structure, loads, motion, tolerance, step, modal })
+        let scales = structure.force_scales(0.0);
+        Ok(Dynamics { structure, loads, motion, tolerance, scales, step, modal })
     }
 
     /// The structure.
@@ -96,31 +92,16 @@ impl<const D: usize> Dynamics<D> {
         self.structure.law().is_linear() && self.loads.pressures.is_empty()
     }
 
-    /// Corrects `v` until the residual is round-off: one correction would be exact if the modes were solved exactly.
+    /// Corrects `v` until the residual is round-off.
     fn correct(
         &self,
         slab: &StructureSlab<'_, D>,
         forces: &[f64],
         v: &mut [f64],
     ) -> Result<DynamicsReport, ElasticityError> {
-        let (mut report, mut r) = (DynamicsReport::default(), vec![0.0; v.len()]);
-        let mut scale = slab.residual(forces, v, &mut r)?;
-        let mut norm = self.free_norm(&r);
-        // Forces that vanish leave the rounding of those at the guess.
-        let least = f64::EPSILON * scale;
-        while norm > (TOLERANCE * scale).max(least) && scale > ROUNDINGS * slab.rounding(v) {
-            report.iterations += self.correct_once(&r, slab.dt, v)?;
-            report.corrections += 1;
-            scale = slab.residual(forces, v, &mut r)?;
-            let before = std::mem::replace(&mut norm, self.free_norm(&r));
-            if norm > ROUND_OFF * before {
-                break;
-            }
-        }
-        if norm.is_nan() || norm > (STALLED * scale).max(least).max(ROUNDINGS * slab.rounding(v)) {
-            return Err(ElasticityError::Stalled { time: slab.bottom.time, residual: norm / scale });
-        }
-        Ok(report)
+        let equations = LinearMotion { dynamics: self, slab, forces };
+        let Corrections { count, iterations } = corrections::correct(&equations, slab.bottom.time, v)?;
+        Ok(DynamicsReport { corrections: count, iterations, ..Default::default() })
     }
 
     /// Finds `v` by Newton's method.
@@ -137,7 +118,7 @@ impl<const D: usize> Dynamics<D> {
             v.fill(0.0);
             slab.structure.at_fixed(v, |i| guess[i]);
         }
-        let mut motion = StructureMotion { slab: *slab, forces, modal: &self.modal };
+        let mut motion = StructureMotion { slab: *slab, forces, modal: &self.modal, scales: &self.scales };
         let large_displacement::Work { steps, iterations } =
             large_displacement::solve(&mut motion, &forces_at, slab.bottom.time, v)?;
         Ok(DynamicsReport { corrections: steps, iterations, ..Default::default() })
@@ -153,20 +134,32 @@ impl<const D: usize> Dynamics<D> {
         }
         Ok(())
     }
+}
 
-    /// |R| at free entries.
-    fn free_norm(&self, r: &[f64]) -> f64 {
+/// (dynamics) of a linear law in one slab.
+struct LinearMotion<'a, const D: usize> {
+    dynamics: &'a Dynamics<D>,
+    slab: &'a StructureSlab<'a, D>,
+    forces: &'a [f64],
+}
+
+impl<const D: usize> LinearEquations for LinearMotion<'_, D> {
+    fn residual(&self, v: &[f64], r: &mut [f64]) -> Result<[f64; 2], ElasticityError> {
+        let size = self.slab.residual(self.forces, v, r)?;
         let mut free = r.to_vec();
-        self.structure.at_fixed(&mut free, |_| 0.0);
-        Euclidean.norm(&free)
+        self.slab.structure.at_fixed(&mut free, |_| 0.0);
+        Ok([Euclidean.norm(&free), size])
     }
-
-    /// v := v - (dR/dV)^{-1} r at free entries; returns the iterations.
-    fn correct_once(&self, r: &[f64], dt: f64, v: &mut [f64]) -> Result<usize, ElasticityError> {
+    /// v := v - (dR/dV)^{-1} r at free entries
+    fn correct(&self, r: &[f64], v: &mut [f64]) -> Result<usize, ElasticityError> {
+        let Dynamics { structure, modal, tolerance, .. } = self.dynamics;
         let mut increment = r.to_vec();
-        let solved = self.modal.solve(&self.structure, dt, self.tolerance, &mut increment);
+        let solved = modal.solve(structure, self.slab.dt, *tolerance, &mut increment);
         v.iter_mut().zip(&increment).for_each(|(v, w)| *v -= w);
         solved
+    }
+    fn rounding(&self, v: &[f64]) -> f64 {
+        self.slab.rounding(&self.dynamics.scales, v)
     }
 }
 

@@ -3,13 +3,13 @@
 //! Products are exact. They are preconditioned by the systems of K at one displacement: that at the bottom of a slab, or that of the
 //! Newton step where there is no inertia.
 
+use crate::corrections::rounding;
 use crate::modal::ModalSolver;
 use crate::nonlinear::{self, ElasticEquations};
 use crate::shifted::Shifted;
 use crate::structure_slab::StructureSlab;
 use crate::{ElasticityError, Inversion, Structure};
 use newton_krylov::forcing;
-use newton_krylov::inner_product::{Euclidean, InnerProduct};
 use newton_krylov::newton::Settings;
 use newton_krylov::problem::Inadmissible;
 
@@ -21,9 +21,6 @@ const TOLERANCE: f64 = 1e-12;
 
 /// If the forces at the solution are less than this part of those at the guess, the solution is not accurate enough for them.
 const SMALLER: f64 = 0.1;
-
-/// Rounding of a force is about this part of stiffness times displacement.
-pub(crate) const ROUNDING: f64 = 10.0 * f64::EPSILON;
 
 /// What Newton's method has cost.
 #[derive(Default)]
@@ -68,6 +65,8 @@ pub(crate) struct StructureMotion<'a, const D: usize> {
     pub(crate) forces: &'a [f64],
     /// The preconditioner.
     pub(crate) modal: &'a ModalSolver<D>,
+    /// The scales of forces per displacement.
+    pub(crate) scales: &'a [f64],
 }
 
 impl<const D: usize> ElasticEquations for StructureMotion<'_, D> {
@@ -87,19 +86,15 @@ impl<const D: usize> ElasticEquations for StructureMotion<'_, D> {
         let _ = self.modal.solve(self.slab.structure, self.slab.dt, PRECONDITIONER_TOLERANCE, w);
     }
     fn round_off(&self, v: &[f64]) -> Option<f64> {
-        Some(self.slab.rounding(v))
+        Some(self.slab.rounding(self.scales, v))
     }
-}
-
-/// The rounding of R(d).
-pub(crate) fn rounding<const D: usize>(structure: &Structure<D>, d: &[f64]) -> f64 {
-    let forces: Vec<f64> = structure.force_scales(0.0).into_iter().zip(d).map(|(k, d)| k * d).collect();
-    ROUNDING * Euclidean.norm(&forces)
 }
 
 /// R(d) - f = 0 at free entries; fixed ones stay as they are.
 pub(crate) struct StructureEquilibrium<'a, const D: usize> {
     structure: &'a Structure<D>,
+    /// The scales of forces per displacement.
+    scales: &'a [f64],
     /// r := R(d) - f at `d`, on all entries.
     imbalance: Imbalance<'a>,
     /// out := the derivative of that at the first, along the second argument.
@@ -112,9 +107,14 @@ type Imbalance<'a> = &'a dyn Fn(&[f64], &mut [f64]) -> Result<(), Inversion>;
 type Product<'a> = &'a dyn Fn(&[f64], &[f64], &mut [f64]);
 
 impl<'a, const D: usize> StructureEquilibrium<'a, D> {
-    /// The equilibrium of `structure` where `imbalance`, with the derivative `stiffness`, vanishes.
-    pub(crate) fn new(structure: &'a Structure<D>, imbalance: Imbalance<'a>, stiffness: Product<'a>) -> Self {
-        StructureEquilibrium { structure, imbalance, stiffness, shifted: None }
+    /// The equilibrium of `structure`, with the `scales` of its forces per displacement, where `imbalance`, with the derivative `stiffness`,
+    /// vanishes.
+    pub(crate) fn new(
+        (structure, scales): (&'a Structure<D>, &'a [f64]),
+        imbalance: Imbalance<'a>,
+        stiffness: Product<'a>,
+    ) -> Self {
+        StructureEquilibrium { structure, scales, imbalance, stiffness, shifted: None }
     }
 }
 
@@ -140,6 +140,6 @@ impl<const D: usize> ElasticEquations for StructureEquilibrium<'_, D> {
         }
     }
     fn round_off(&self, d: &[f64]) -> Option<f64> {
-        Some(rounding(self.structure, d))
+        Some(rounding(self.scales, d))
     }
 }

@@ -26,6 +26,7 @@
 //! | `solid` | the material of a structure, point by point |
 //! | `structure_slab` | the equations of a structure in a time slab |
 //! | `modal` | their systems, by temporal modes, with the mass of a fluid |
+//! | `corrections` | the solution of linear equations to round-off |
 //! | `large_displacement` | Newton's method for laws that are not linear |
 //! | `dynamics`, `statics` | the motion of a structure, with and without inertia |
 //! | `shifted` | systems with K + m M, real and complex |
@@ -57,6 +58,7 @@
 
 mod cauchy;
 mod condensation;
+mod corrections;
 mod dynamics;
 mod elastic_mesh;
 mod equilibrium;

@@ -9,8 +9,9 @@
 //! It holds at the time nodes of a slab. In between d is the polynomial through them and the bottom, (motion) of `slab`. Works and
 //! energies are defined as in `structure_slab`, without the kinetic terms.
 
-use crate::dynamics::{CORRECTION_TOLERANCE, DynamicsReport, ROUND_OFF, ROUNDINGS, STALLED, TOLERANCE};
-use crate::large_displacement::{self, StructureEquilibrium, rounding};
+use crate::corrections::{self, LinearEquations, rounding};
+use crate::dynamics::{CORRECTION_TOLERANCE, DynamicsReport};
+use crate::large_displacement::{self, StructureEquilibrium};
 use crate::shifted::Shifted;
 use crate::structure_slab::{SlabBottom, StructureSlab};
 use crate::{ElasticityError, Inversion, Loads, SlabMotion, Structure};
@@ -24,6 +25,8 @@ pub struct Statics<const D: usize> {
     loads: Loads<D>,
     motion: SlabMotion,
     stiffness: Shifted<D>,
+    /// The scales of forces per displacement.
+    scales: Vec<f64>,
 }
 
 impl<const D: usize> Statics<D> {
@@ -34,7 +37,8 @@ impl<const D: usize> Statics<D> {
     /// is inverted.
     pub fn new(structure: Structure<D>, loads: Loads<D>, time_order: usize) -> Result<Self, ElasticityError> {
         let stiffness = structure.shifted(0.0, Vec::new(), &[])?;
-        Ok(Statics { structure, loads, motion: SlabMotion::new(RadauTime::new(time_order)), stiffness })
+        let (scales, motion) = (structure.force_scales(0.0), SlabMotion::new(RadauTime::new(time_order)));
+        Ok(Statics { structure, loads, motion, stiffness, scales })
     }
 
     /// The structure.
@@ -61,7 +65,7 @@ impl<const D: usize> Statics<D> {
     /// The same for the loads `f` at rest.
     fn balance(&self, t: f64, f: &[f64], d: &mut [f64]) -> Result<usize, ElasticityError> {
         if self.structure.law().is_linear() && self.loads.pressures.is_empty() {
-            return self.structure.balance(&self.stiffness, t, f, d);
+            return self.structure.balance((&self.stiffness, &self.scales), t, f, d);
         }
         let (structure, loads) = (&self.structure, &self.loads);
         let imbalance = |d: &[f64], r: &mut [f64]| self.imbalance(t, f, d, r);
@@ -76,7 +80,7 @@ impl<const D: usize> Statics<D> {
             Ok(Euclidean.norm(f) + Euclidean.norm(&r))
         };
         self.improve_guess(t, f, &forces_at, d);
-        let mut equations = StructureEquilibrium::new(structure, &imbalance, &stiffness);
+        let mut equations = StructureEquilibrium::new((structure, &self.scales), &imbalance, &stiffness);
         Ok(large_displacement::solve(&mut equations, &forces_at, t, d)?.iterations)
     }
 
@@ -85,7 +89,9 @@ impl<const D: usize> Statics<D> {
     fn improve_guess(&self, t: f64, f: &[f64], forces_at: &dyn Fn(&[f64]) -> Result<f64, Inversion>, d: &mut [f64]) {
         let mut linear = vec![0.0; d.len()];
         self.structure.at_fixed(&mut linear, |i| d[i]);
-        if linear.iter().all(|&x| x == 0.0) || self.structure.balance(&self.stiffness, t, f, &mut linear).is_err() {
+        if linear.iter().all(|&x| x == 0.0)
+            || self.structure.balance((&self.stiffness, &self.scales), t, f, &mut linear).is_err()
+        {
             return;
         }
         let size = |d: &[f64]| forces_at(d).unwrap_or(f64::INFINITY);
@@ -140,36 +146,46 @@ impl<const D: usize> Structure<D> {
     /// # Errors
     /// [`ElasticityError::NotDefinite`] or [`ElasticityError::Solver`] if too few entries are fixed.
     pub fn equilibrium(&self, f: &[f64], d: &mut [f64]) -> Result<usize, ElasticityError> {
-        self.balance(&self.shifted(0.0, Vec::new(), &[])?, 0.0, f, d)
+        self.balance((&self.shifted(0.0, Vec::new(), &[])?, &self.force_scales(0.0)), 0.0, f, d)
     }
 
-    /// The same with the preconditioner of K, at time `t`: corrections until the residual is round-off.
-    fn balance(&self, stiffness: &Shifted<D>, t: f64, f: &[f64], d: &mut [f64]) -> Result<usize, ElasticityError> {
-        let (mut r, mut increment, mut iterations) = (vec![0.0; d.len()], vec![0.0; d.len()], 0);
-        let (mut norm, mut scale) = self.imbalance(f, d, &mut r);
-        // Loads that vanish leave the rounding of the forces at the guess; a body that is moved as a rigid one has no others.
-        let least = f64::EPSILON * scale;
-        while norm > (TOLERANCE * scale).max(least) && scale > ROUNDINGS * rounding(self, d) {
-            iterations += stiffness.solve(self, &r, &mut increment, CORRECTION_TOLERANCE)?;
-            d.iter_mut().zip(&increment).for_each(|(d, increment)| *d += increment);
-            let before = norm;
-            (norm, scale) = self.imbalance(f, d, &mut r);
-            if norm > ROUND_OFF * before {
-                break;
-            }
-        }
-        if norm.is_nan() || norm > (STALLED * scale).max(least).max(ROUNDINGS * rounding(self, d)) {
-            return Err(ElasticityError::Stalled { time: t, residual: norm / scale });
-        }
+    /// The same with the preconditioner of K and the `scales` of forces, at time `t`.
+    fn balance(
+        &self,
+        (stiffness, scales): (&Shifted<D>, &[f64]),
+        t: f64,
+        f: &[f64],
+        d: &mut [f64],
+    ) -> Result<usize, ElasticityError> {
+        let equations = LinearEquilibrium { structure: self, stiffness, scales, f };
+        Ok(corrections::correct(&equations, t, d)?.iterations)
+    }
+}
+
+/// f - K d = 0 at free entries.
+struct LinearEquilibrium<'a, const D: usize> {
+    structure: &'a Structure<D>,
+    stiffness: &'a Shifted<D>,
+    scales: &'a [f64],
+    f: &'a [f64],
+}
+
+impl<const D: usize> LinearEquations for LinearEquilibrium<'_, D> {
+    fn residual(&self, d: &[f64], r: &mut [f64]) -> Result<[f64; 2], ElasticityError> {
+        self.structure.apply_stiffness(d, r);
+        let forces = Euclidean.norm(r) + Euclidean.norm(self.f);
+        r.iter_mut().zip(self.f).for_each(|(r, f)| *r = f - *r);
+        self.structure.at_fixed(r, |_| 0.0);
+        Ok([Euclidean.norm(r), forces])
+    }
+    /// d := d + K^{-1} r
+    fn correct(&self, r: &[f64], d: &mut [f64]) -> Result<usize, ElasticityError> {
+        let mut increment = vec![0.0; d.len()];
+        let iterations = self.stiffness.solve(self.structure, r, &mut increment, CORRECTION_TOLERANCE)?;
+        d.iter_mut().zip(&increment).for_each(|(d, increment)| *d += increment);
         Ok(iterations)
     }
-
-    /// r = f - K d at free entries, 0 at the others; returns |r| and the size of the forces that cancel in it.
-    fn imbalance(&self, f: &[f64], d: &[f64], r: &mut [f64]) -> (f64, f64) {
-        self.apply_stiffness(d, r);
-        let scale = Euclidean.norm(r) + Euclidean.norm(f);
-        r.iter_mut().zip(f).for_each(|(r, f)| *r = f - *r);
-        self.at_fixed(r, |_| 0.0);
-        (Euclidean.norm(r), scale)
+    fn rounding(&self, d: &[f64]) -> f64 {
+        rounding(self.scales, d)
     }
 }

@@ -29,7 +29,7 @@
 
 mod pressure_impulse;
 
-use crate::large_displacement::{ROUNDING, rounding};
+use crate::corrections::{ROUNDING, rounding};
 use crate::slab::accumulate;
 use crate::{ElasticityError, Inversion, Loads, SlabMotion, Structure};
 use fem::Clock;
@@ -121,8 +121,8 @@ impl<const D: usize> StructureSlab<'_, D> {
         Ok([&inertia, &elastic, &loads].map(|part| Euclidean.norm(part)).into_iter().sum())
     }
 
-    /// The rounding of R(V): that of stiffness times displacement, and that of mass times velocity.
-    pub(crate) fn rounding(&self, v: &[f64]) -> f64 {
+    /// The rounding of R(V), with the `scales` of forces per displacement: that of stiffness times displacement, and that of mass times velocity.
+    pub(crate) fn rounding(&self, scales: &[f64], v: &[f64]) -> f64 {
         let (time, length) = (self.motion.time(), self.structure.length());
         let (mut d, mut momentum) = (vec![0.0; length], vec![0.0; length]);
         let of_node = |a: usize| {
@@ -131,7 +131,7 @@ impl<const D: usize> StructureSlab<'_, D> {
                 self.bottom.velocity.iter().zip(at_node).map(|(below, v)| below.abs() + v.abs()).collect();
             self.structure.apply_mass(&speeds, &mut momentum);
             self.motion.displacement_at_node(self.dt, self.bottom.displacement, v, a, &mut d);
-            let elastic = self.dt * time.weights()[a] * rounding(self.structure, &d);
+            let elastic = self.dt * time.weights()[a] * rounding(scales, &d);
             elastic.powi(2) + (ROUNDING * Euclidean.norm(&momentum)).powi(2)
         };
         (0..time.order()).map(of_node).sum::<f64>().sqrt()

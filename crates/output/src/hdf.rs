@@ -58,6 +58,11 @@ pub(crate) fn append<T: H5Type>(dataset: &Dataset, rows: usize, values: &[T]) ->
     dataset.write_slice(ArrayViewD::from_shape(shape, values)?, Hyperslab::from(selection))
 }
 
+/// The group `name` in `parent`, made if it is not there.
+pub(crate) fn group_in(parent: &Group, name: &str) -> Result<Group> {
+    if parent.link_exists(name) { parent.group(name) } else { parent.create_group(name) }
+}
+
 /// Writes an array that does not grow.
 pub(crate) fn constant<T: H5Type>(group: &Group, name: &str, values: &[T]) -> Result<()> {
     group.new_dataset_builder().obj_track_times(false).with_data(values).create(name).map(drop)

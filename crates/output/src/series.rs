@@ -2,7 +2,7 @@
 
 use hdf5::{Group, Result};
 
-use crate::hdf::{append, growing, read_labels, write_labels};
+use crate::hdf::{append, group_in, growing, read_labels, write_labels};
 use crate::layout::{ArraySpec, Axis};
 
 /// Name of the group.
@@ -21,7 +21,7 @@ pub struct Series {
 
 /// Appends the values at a time to the series of `array` in the group `parent`.
 pub(crate) fn extend(parent: &Group, array: &ArraySpec, time: f64, values: &[f64]) -> Result<()> {
-    let all = if parent.link_exists(GROUP) { parent.group(GROUP)? } else { parent.create_group(GROUP)? };
+    let all = group_in(parent, GROUP)?;
     let group = if all.link_exists(&array.name) { all.group(&array.name)? } else { create(&all, array)? };
     append_row(&group, time, values)
 }

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use hdf5::{Extent, Group, Result, SimpleExtents};
+use hdf5::{Group, Result};
 
-use crate::hdf::{constant, read_integer, read_text, write_integer, write_text};
+use crate::hdf::{constant, group_in, growing, read_integer, read_text, write_integer, write_text};
 
 /// Arrays by their names. They may be shared with the solver: a checkpoint needs no copy of large ones.
 pub type Arrays = BTreeMap<String, Arc<Vec<f64>>>;
@@ -26,8 +26,8 @@ const CHUNK: usize = 2048;
 
 /// Replaces the state in the group `parent`. The space of the old one is used again: what a file frees is lost when it is closed.
 pub(crate) fn write(parent: &Group, state: &SolverState) -> Result<()> {
-    let group = if parent.link_exists("state") { parent.group("state")? } else { parent.create_group("state")? };
-    let arrays = if group.link_exists("arrays") { group.group("arrays")? } else { group.create_group("arrays")? };
+    let group = group_in(parent, "state")?;
+    let arrays = group_in(&group, "arrays")?;
     let gone = arrays.member_names()?.into_iter().filter(|name| !state.arrays.contains_key(name));
     gone.into_iter().try_for_each(|name| arrays.unlink(&name))?;
     state.arrays.iter().try_for_each(|(name, values)| replace(&arrays, name, values))?;
@@ -41,14 +41,13 @@ pub(crate) fn write(parent: &Group, state: &SolverState) -> Result<()> {
 
 /// Replaces the texts. One that stays is not written again: a file never frees the space of a text.
 fn write_texts(group: &Group, now: &BTreeMap<String, String>) -> Result<()> {
-    let texts = if group.link_exists("texts") { group.group("texts")? } else { group.create_group("texts")? };
+    let texts = group_in(group, "texts")?;
     let before = named(texts.attr_names()?, |name| read_text(&texts, name))?;
-    before
-        .iter()
-        .filter(|(name, text)| now.get(*name) != Some(*text))
-        .try_for_each(|(name, _)| texts.delete_attr(name))?;
-    let new = now.iter().filter(|(name, text)| before.get(*name) != Some(*text));
-    new.into_iter().try_for_each(|(name, text)| write_text(&texts, name, text))
+    let differ = |one: &BTreeMap<String, String>, other: &BTreeMap<String, String>| {
+        one.clone().into_iter().filter(|(name, text)| other.get(name) != Some(text)).collect::<Vec<_>>()
+    };
+    differ(&before, now).iter().try_for_each(|(name, _)| texts.delete_attr(name))?;
+    differ(now, &before).iter().try_for_each(|(name, text)| write_text(&texts, name, text))
 }
 
 /// Writes an array in the place of an earlier one. One that changes its length consists of chunks from then on.
@@ -56,23 +55,14 @@ fn replace(arrays: &Group, name: &str, values: &[f64]) -> Result<()> {
     if !arrays.link_exists(name) {
         return constant(arrays, name, values);
     }
-    let array = arrays.dataset(name)?;
-    if array.size() == values.len() {
-        return if values.is_empty() { Ok(()) } else { array.write_raw(values) };
-    }
-    if array.is_resizable() {
+    let mut array = arrays.dataset(name)?;
+    if array.size() != values.len() {
+        if !array.is_resizable() {
+            arrays.unlink(name)?;
+            array = growing::<f64>(arrays, name, CHUNK, &[])?;
+        }
         array.resize(values.len())?;
-        return if values.is_empty() { Ok(()) } else { array.write_raw(values) };
     }
-    drop(array);
-    arrays.unlink(name)?;
-    changing(arrays, name, values)
-}
-
-/// Writes an array that changes its length.
-fn changing(arrays: &Group, name: &str, values: &[f64]) -> Result<()> {
-    let shape = SimpleExtents::from_vec(vec![Extent::resizable(values.len())]);
-    let array = arrays.new_dataset::<f64>().obj_track_times(false).chunk(CHUNK).shape(shape).create(name)?;
     if values.is_empty() { Ok(()) } else { array.write_raw(values) }
 }
 

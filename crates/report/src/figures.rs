@@ -44,8 +44,8 @@ pub fn tables(run: &RunFiles) -> String {
     sections.iter().map(|(name, rows)| table(name, rows)).collect()
 }
 
-/// The figures in the history of a run without a summary, after so many `slabs`. As in the summary, totals are those of slabs: the search for
-/// a steady flow at the start, a row without length, is none.
+/// The figures in the history of a run without a summary, after so many `slabs`. Totals are sums over slabs, as in the summary. The search for a
+/// steady flow has a row without length, which they leave out.
 fn so_far(slabs: usize, history: &HistoryTable) -> Value {
     let lengths = history.column("dt").unwrap_or_default();
     let last = |name: &str| history.column(name).and_then(|column| column.last().copied());

@@ -59,7 +59,7 @@ pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> Solv
 }
 
 /// The array with what rejected attempts at the next slab have cost.
-const ATTEMPTS: &str = "attempts";
+pub const ATTEMPTS: &str = "attempts";
 
 /// Adds what rejected attempts at the next slab have cost. Its report contains that.
 pub fn store_attempts(stored: &mut SolverState, counts: Counts) {

@@ -1,8 +1,8 @@
 //! A run, slab by slab: the same for flow, mesh and structure.
 
+mod begin;
 mod fall_back;
 
-use super::checkpoint;
 use super::context::{RunContext, Stop};
 use super::controls;
 use super::crew::Orders;
@@ -19,13 +19,14 @@ use crate::destination::Destination;
 use crate::error::Failure;
 use crate::observer::{NextStep, Observer};
 use crate::session::Session;
+use begin::{append_surfaces, begin, continue_surfaces, restore, take_over};
 use case::rounded_time;
 use case::{AnyCase, Case, State};
 use coupled::Past;
 use fall_back::{fall_back, is_held};
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
-use output::{ArraySpec, OutputError, Series, SolverState, Summary};
+use output::{ArraySpec, OutputError, SolverState, Summary};
 use ranks::{Alone, Communicator};
 use std::path::Path;
 use std::sync::Arc;
@@ -214,11 +215,10 @@ fn drive_in<const D: usize, const M: usize, R: Run>(
     let (mut recorder, resumed) = Recorder::<D, M>::start(session, case, mesh, destination.is_resumed(), origin_state)?;
     origin.iter().flat_map(|start| &start.warnings).for_each(|warning| tracing::warn!("{warning}"));
     failure::clear(session.directory.path())?;
-    let mut statistics = restore(&mut run, resumed.as_ref().or(origin_state), case)?;
-    let is_measured_anew = origin.is_some_and(|start| start.is_measured_anew);
-    if resumed.is_none() && is_measured_anew && !statistics.totals_at_start.is_empty() {
-        run.begin_balances(&mut statistics);
-    }
+    let statistics = match (&resumed, origin) {
+        (None, Some(start)) => take_over(&mut run, start, case)?,
+        _ => restore(&mut run, resumed.as_ref(), case)?,
+    };
     // A run whose search for the steady flow has failed has not begun.
     let has_begun = resumed.is_some() && !run.awaits_start(&statistics);
     let coupled::State { time, slab: slabs, .. } = *run.state();
@@ -277,80 +277,6 @@ fn explained(
     let report = FailureReport { case, error: &error, time, slabs: state.slab, again: Some(again) };
     let hint = failure::tell(directory, finding, &report);
     Failure::solve(error.context(message + &hint))
-}
-
-/// Begins a new run, also one that starts from the result of another. Returns why it stopped early, if it did.
-fn begin<const D: usize, const M: usize>(
-    run: &mut impl Run,
-    recorder: &mut Recorder<D, M>,
-    context: &mut RunContext,
-    directory: &Path,
-) -> Result<Option<Stop>, Failure> {
-    let row = match run.open(context) {
-        Ok(row) => row,
-        Err(error) => return Ok(Some(Stop::Failed(error, None))),
-    };
-    let (velocities, flow) = match &run.state().past {
-        Some(past) => (past.v.clone(), past.u.clone()),
-        None => run.slab_at_start().map(Arc::new).into(),
-    };
-    let (time, displacement) = (run.state().time, &run.state().d[..]);
-    let structure = StructureSnapshot::new(recorder.case(), run.state());
-    let averages = &context.statistics.averages;
-    recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow: &flow, structure, averages })?;
-    if let Some(row) = row {
-        recorder.history.push(&[row, controls::values(recorder.case())].concat())?;
-        // The steady flow that the run begins with has distributions along walls; another initial state has none worth keeping.
-        if recorder.case().output.surfaces_every.is_some() {
-            append_surfaces(run, recorder)?;
-        }
-        recorder.checkpoint(run.store(), &context.statistics)?;
-    }
-    run.cut(directory, true)?;
-    Ok(None)
-}
-
-/// Appends the distributions along walls to their series.
-fn append_surfaces<const D: usize, const M: usize>(
-    run: &impl Run,
-    recorder: &mut Recorder<D, M>,
-) -> Result<(), Failure> {
-    let time = run.state().time;
-    run.surfaces().iter().try_for_each(|(array, values)| recorder.append_to_series(array, time, values))
-}
-
-/// Begins the series of distributions along walls with those of the `earlier` run, where they have the same points.
-fn continue_surfaces<const D: usize, const M: usize>(
-    run: &impl Run,
-    recorder: &mut Recorder<D, M>,
-    earlier: &[Series],
-) -> Result<(), Failure> {
-    for (array, _) in run.surfaces() {
-        let Some(series) = earlier.iter().find(|series| series.array == array) else { continue };
-        let snapshots = series.times.iter().zip(series.values.chunks_exact(array.len()));
-        let mut reached = snapshots.filter(|(time, _)| **time <= run.state().time);
-        reached.try_for_each(|(time, values)| recorder.append_to_series(&array, *time, values))?;
-    }
-    Ok(())
-}
-
-/// Restores the run from a checkpoint, its own or that of the run that it continues.
-fn restore<const D: usize>(
-    run: &mut impl Run,
-    stored: Option<&SolverState>,
-    case: &Case<D>,
-) -> Result<RunStatistics, Failure> {
-    controls::set_for_preconditioner(case, stored);
-    let Some(stored) = stored else { return Ok(RunStatistics::default()) };
-    run.restore(stored).ok_or_else(checkpoint::incomplete)?;
-    let statistics = RunStatistics::from_arrays(&stored.arrays, walls(case)).ok_or_else(checkpoint::incomplete)?;
-    controls::set_present(case, &statistics);
-    Ok(statistics)
-}
-
-/// The number of walls of the flow.
-fn walls<const D: usize>(case: &Case<D>) -> usize {
-    case.flow.as_ref().map_or(0, |flow| flow.walls.len())
 }
 
 /// Runs the remaining slabs; returns why it stopped before its end, if it did.

@@ -6,7 +6,7 @@
 //!
 //! The state before the halvings matters: in our tests a flow that had gone on by short slabs was lost in any form.
 
-use super::build;
+use super::{build, checkpoint};
 use case::{Case, Fallback, Flow, State};
 use coupled::FlowMarch;
 use elasticity::ElasticityError;
@@ -33,7 +33,8 @@ pub fn in_split_form(mut stored: SolverState, rejected: usize) -> SolverState {
     let time = stored.arrays.get("time").cloned().unwrap_or_default();
     stored.arrays.insert(SINCE.into(), time);
     // The whole slab is tried again; the carried determinants and the preconditioner were those of another quadrature.
-    let goes = |name: &str| name.starts_with("frozen.") || ["failed", "determinants", "attempts"].contains(&name);
+    let goes =
+        |name: &str| name.starts_with("frozen.") || ["failed", "determinants", checkpoint::ATTEMPTS].contains(&name);
     stored.arrays.retain(|name, _| !goes(name));
     stored.arrays.insert("pending".into(), Vec::new().into());
     stored.integers.extend([("stale".into(), 1), ("rejected".into(), rejected as i64)]);

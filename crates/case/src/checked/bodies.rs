@@ -244,6 +244,9 @@ impl<const D: usize> Given<'_, D> {
 
     /// A rotation moves points that periodicity identifies together only if its axis lies along the period.
     fn check_turns(&self, key: &Key, body: &RigidBody<D>) -> Checked<()> {
+        if !body.freedoms.iter().any(|freedom| freedom.direction.rotates()) {
+            return Ok(());
+        }
         let numbering = NodeNumbering::new(self.mesh, self.mesh.order());
         let walls: BTreeSet<usize> =
             body.walls.iter().flat_map(|wall| numbering.on_boundary(self.mesh, *wall)).collect();

@@ -203,22 +203,22 @@ fn check_beside_bodies<const D: usize>(
     time: &Time,
 ) -> Checked<()> {
     let Motion::Elastic { boundary, .. } = motion else { return Ok(()) };
-    let numbering = NodeNumbering::new(mesh, mesh.order());
-    let moving = || boundary.iter().enumerate().filter_map(|(index, motion)| Some((index, motion.as_ref()?)));
-    for (body, walls) in movers.of_bodies().filter(|_| moving().next().is_some()) {
+    if movers.of_bodies().next().is_none() || boundary.iter().all(Option::is_none) {
+        return Ok(());
+    }
+    let (numbering, times) = (NodeNumbering::new(mesh, mesh.order()), time.check_times());
+    for (body, walls) in movers.of_bodies() {
         let shared: BTreeSet<usize> = walls.iter().flat_map(|wall| numbering.on_boundary(mesh, *wall)).collect();
-        for (index, motion) in moving() {
+        let moving = boundary.iter().enumerate().filter_map(|(index, motion)| Some((index, motion.as_ref()?)));
+        for (index, motion) in moving {
             let nodes = nodes_on(mesh, &numbering, index).filter(|(node, _)| shared.contains(node));
-            let then =
-                |(node, x)| time.check_times().into_iter().map(move |t| (x, t, motion.displacement(node, &x, t)));
+            let then = |(node, x)| times.iter().map(move |t| (x, *t, motion.displacement(node, &x, *t)));
             let mut moved = nodes.flat_map(then).filter(|(.., d)| tensor::norm(d) > 1e-9 * mesh.diameter());
-            if let Some((x, t, d)) = moved.next() {
-                let name = &mesh.boundary_names()[index];
-                let problem =
-                    format!("the node at {x:?} is displaced by {d:?} until t = {t}, and {body} moves it, too");
-                let accepted = format!("a motion that is zero where `{name}` meets the walls of {body}");
-                return Err(checker.combination(&key.child("boundary").child(name), &problem, &accepted));
-            }
+            let Some((x, t, d)) = moved.next() else { continue };
+            let name = &mesh.boundary_names()[index];
+            let problem = format!("the node at {x:?} is displaced by {d:?} until t = {t}, and {body} moves it, too");
+            let accepted = format!("a motion that is zero where `{name}` meets the walls of {body}");
+            return Err(checker.combination(&key.child("boundary").child(name), &problem, &accepted));
         }
     }
     Ok(())

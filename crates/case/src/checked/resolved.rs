@@ -37,12 +37,16 @@ pub fn walls_of<'b>(resolved: &str, boundaries: &'b [String]) -> Vec<&'b str> {
     boundaries.iter().map(String::as_str).filter(is_wall).collect()
 }
 
+fn parsed(resolved: &str) -> Result<raw::Case, String> {
+    toml::from_str(resolved).map_err(|error| error.message().to_owned())
+}
+
 /// The gas of a resolved case, as text and without what is `allowed` to change; `None` without a flow.
 ///
 /// # Errors
 /// The error of `resolved`, which another version of the program may have written.
 pub fn gas_of(resolved: &str, allowed: &[AllowedChange]) -> Result<Option<String>, String> {
-    let raw: raw::Case = toml::from_str(resolved).map_err(|error| error.message().to_owned())?;
+    let raw = parsed(resolved)?;
     let text = |flow: &raw::Flow| {
         let mut gas = flow.gas.clone();
         if allowed.contains(&AllowedChange::Viscosity) {
@@ -61,23 +65,15 @@ pub fn gas_of(resolved: &str, allowed: &[AllowedChange]) -> Result<Option<String
 /// # Errors
 /// As [`gas_of`].
 pub fn bodies_of(resolved: &str) -> Result<String, String> {
-    let raw: raw::Case = toml::from_str(resolved).map_err(|error| error.message().to_owned())?;
+    let raw = parsed(resolved)?;
     let bodies: Vec<String> = raw.bodies.iter().map(|(name, body)| described(name, body)).collect();
     Ok(if bodies.is_empty() { "none".to_owned() } else { bodies.join("; ") })
 }
 
 /// A rigid body in words: its coordinates, its walls and what it turns about.
 fn described(name: &str, body: &raw::Body) -> String {
-    let coordinates = [
-        ("x", &body.x),
-        ("y", &body.y),
-        ("z", &body.z),
-        ("rotation", &body.rotation),
-        ("rotation_x", &body.rotation_x),
-        ("rotation_y", &body.rotation_y),
-        ("rotation_z", &body.rotation_z),
-    ];
-    let coordinates: Vec<&str> = coordinates.iter().filter_map(|(name, given)| given.as_ref().map(|_| *name)).collect();
+    let coordinates: Vec<&str> =
+        body.coordinates().into_iter().filter_map(|(name, given)| given.map(|_| name)).collect();
     let walls = body.walls.clone().unwrap_or_else(|| vec![name.to_owned()]).join(", ");
     let pivot = body.pivot.as_ref().filter(|pivot| pivot.iter().any(|x| *x != 0.0));
     let pivot = pivot.map_or_else(|| "the origin".to_owned(), |pivot| format!("{pivot:?}"));
@@ -90,7 +86,7 @@ fn described(name: &str, body: &raw::Body) -> String {
 /// # Errors
 /// As [`gas_of`].
 pub fn quadrature_of(resolved: &str) -> Result<Option<String>, String> {
-    let raw: raw::Case = toml::from_str(resolved).map_err(|error| error.message().to_owned())?;
+    let raw = parsed(resolved)?;
     let text = |flow: &raw::Flow| match flow.quadrature {
         raw::Quadrature::Collocated | raw::Quadrature::CollocatedLobatto => {
             format!("{:?} {} {}", flow.quadrature, flow.order, raw.time.order)

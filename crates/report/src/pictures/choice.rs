@@ -5,6 +5,7 @@ use super::error::PictureError;
 use super::medium::PictureMedium;
 use super::plane::Plane;
 use super::quantity::PictureQuantity;
+use super::space::Cuboid;
 use super::view::View;
 use super::window::{Extent, Window};
 use output::ResultReader;
@@ -70,19 +71,24 @@ pub fn window<const D: usize>(view: &View<D>, name: Option<&str>) -> Result<Wind
         Some(Window { label: name.to_owned(), ..cuts::window(near, plane, PIXELS) })
     };
     let within = || Some(Window { plane: view.plane, ..Window::new(name, extent(name)?, PIXELS) });
-    if misses(name, view.mesh) {
-        let [lower, upper] = view.mesh.map(|corner| corner.to_vec());
+    if misses::<D>(name, view.mesh) {
+        let [lower, upper] = [view.mesh.lower, view.mesh.upper].map(|corner| corner[..D].to_vec());
         return Err(PictureError::Outside { name: name.to_owned(), lower, upper });
     }
     plane().or_else(within).map_or_else(|| named(&view.windows, Some(name), D), Ok)
 }
 
-/// Whether the plane or the box of this name has no part of a mesh between these corners.
-fn misses<const D: usize>(name: &str, [lower, upper]: [[f64; D]; 2]) -> bool {
-    let apart = |axis: usize, from: f64, to: f64| from > upper[axis] || to < lower[axis];
-    let by_plane = plane(name).is_some_and(|plane| plane.axis < D && apart(plane.axis, plane.at, plane.at));
-    by_plane
-        || extent(name).is_some_and(|extent| (0..2).any(|axis| apart(axis, extent.lower[axis], extent.upper[axis])))
+/// Whether the plane or the box of this name shows no part of a mesh in the box `mesh`.
+fn misses<const D: usize>(name: &str, mesh: Cuboid) -> bool {
+    let mut shown = Cuboid { lower: [f64::NEG_INFINITY; 3], upper: [f64::INFINITY; 3] };
+    if let Some(plane) = plane(name).filter(|plane| plane.axis < D) {
+        (shown.lower[plane.axis], shown.upper[plane.axis]) = (plane.at, plane.at);
+    }
+    if let Some(extent) = extent(name) {
+        shown.lower[..2].copy_from_slice(&extent.lower);
+        shown.upper[..2].copy_from_slice(&extent.upper);
+    }
+    shown.intersection(mesh).is_empty()
 }
 
 /// The window of a name, or the first one.
@@ -121,10 +127,12 @@ mod tests {
     /// The pictures were empty.
     #[test]
     fn a_window_beside_the_mesh_is_refused() {
-        let mesh = [[0.0, 0.0, 0.0], [1.0, 2.0, 3.0]];
-        assert!(misses("x=2", mesh) && misses("100,100,101,101", mesh) && misses("-2,-2,-1,5", mesh));
-        assert!(!misses("z=2", mesh) && !misses("-1e300,-1,0.5,1", mesh) && !misses("whole domain", mesh));
-        assert!(!misses("z=2", [[0.0; 2], [1.0; 2]]), "it has no plane");
+        let mesh = Cuboid { lower: [0.0; 3], upper: [1.0, 2.0, 3.0] };
+        let misses = |name| super::misses::<3>(name, mesh);
+        assert!(misses("x=2") && misses("100,100,101,101") && misses("-2,-2,-1,5"));
+        assert!(!misses("z=2") && !misses("-1e300,-1,0.5,1") && !misses("whole domain"));
+        let square = Cuboid { lower: [0.0; 3], upper: [1.0, 1.0, 0.0] };
+        assert!(!super::misses::<2>("z=2", square), "it has no plane");
     }
 
     #[test]

@@ -9,7 +9,7 @@ use super::quantity::{PictureQuantity, Range};
 use super::raster::Raster;
 use super::scheme::PARTS;
 use super::snapshot::Snapshot;
-use super::space::{Cuboid, PictureRegion, Space};
+use super::space::{Cuboid, PictureRegion, Space, in_space};
 use super::surface::{face_lines, surface};
 use super::wall::Wall;
 use super::window::{Extent, Window};
@@ -39,15 +39,8 @@ pub struct View<const D: usize> {
     boundary_faces: Vec<Vec<usize>>,
     /// The pictures of surfaces in space, if there are some.
     space: Option<Space>,
-    /// The corners of the smallest box around the mesh in all snapshots.
-    pub mesh: [[f64; D]; 2],
-}
-
-/// The corners of the smallest box around `points`.
-fn around<const D: usize>(points: &[[f64; D]]) -> [[f64; D]; 2] {
-    let along = |axis: usize| points.iter().map(move |x| x[axis]);
-    let lower = std::array::from_fn(|axis| along(axis).fold(f64::INFINITY, f64::min));
-    [lower, std::array::from_fn(|axis| along(axis).fold(f64::NEG_INFINITY, f64::max))]
+    /// The box around the mesh in all snapshots.
+    pub mesh: Cuboid,
 }
 
 impl<const D: usize> View<D> {
@@ -73,7 +66,7 @@ impl<const D: usize> View<D> {
         let near = region.as_ref().map(|region| region.near);
         let space = region.and_then(|region| Space::new::<D, M>(region, snapshots, q_level));
         windows.extend(space.iter().flat_map(|space| space.windows.iter().cloned()));
-        View { windows, near, plane, boundary_faces, space, mesh: around(&corners) }
+        View { windows, near, plane, boundary_faces, space, mesh: Cuboid::of(corners.iter().map(in_space)) }
     }
 
     /// A window at a snapshot, and how far it has moved.

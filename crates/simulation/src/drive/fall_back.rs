@@ -1,6 +1,7 @@
 //! How a run goes on in a more robust way, see [`crate::fallback`].
 
-use super::{Run, restore, walls};
+use super::Run;
+use super::begin::{restore, walls};
 use crate::context::{RunContext, Stop};
 use crate::cuts::{self, Reached};
 use crate::error::Failure;

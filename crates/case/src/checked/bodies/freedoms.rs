@@ -15,17 +15,11 @@ impl<const D: usize> Given<'_, D> {
     pub(super) fn freedoms(&self, key: &Key, raw: &raw::Body) -> Checked<Vec<Freedom>> {
         let axis = self.axis(key, raw)?;
         let along = |i: usize| std::array::from_fn(|j| f64::from(u8::from(i == j)));
-        let given = [
-            ("x", Direction::Translation(along(0)), &raw.x),
-            ("y", Direction::Translation(along(1)), &raw.y),
-            ("z", Direction::Translation(along(2)), &raw.z),
-            ("rotation", Direction::Rotation(axis), &raw.rotation),
-            ("rotation_x", Direction::Rotation(along(0)), &raw.rotation_x),
-            ("rotation_y", Direction::Rotation(along(1)), &raw.rotation_y),
-            ("rotation_z", Direction::Rotation(along(2)), &raw.rotation_z),
-        ];
+        let translations = [0, 1, 2].map(|i| Direction::Translation(along(i)));
+        let rotations = [axis, along(0), along(1), along(2)].map(Direction::Rotation);
         let mut freedoms = Vec::new();
-        for (name, direction, freedom) in given {
+        for ((name, freedom), direction) in raw.coordinates().into_iter().zip(translations.into_iter().chain(rotations))
+        {
             let Some(freedom) = freedom else { continue };
             let key = key.child(name);
             if D == 2 && !["x", "y", "rotation"].contains(&name) {

@@ -12,7 +12,7 @@ mod surface;
 mod wall;
 
 pub use camera::Camera;
-pub use cuboid::Cuboid;
+pub use cuboid::{Cuboid, in_space};
 pub use depth::DARKEST;
 pub use region::PictureRegion;
 
@@ -99,7 +99,7 @@ impl Space {
             return None;
         }
         let patch = snapshot.patch::<M>(cell, fineness);
-        let points: Vec<[f64; 3]> = patch.points.iter().map(cuboid::in_space).collect();
+        let points: Vec<[f64; 3]> = patch.points.iter().map(in_space).collect();
         let surface = iso_surface((&points, patch.parts), &q, self.level, &patch.values);
         Some(surface.within(self.region.outer))
     }

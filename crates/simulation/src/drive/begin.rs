@@ -1,0 +1,101 @@
+//! The begin of a run: anew, from the state of another run, or from a checkpoint of its own.
+
+use super::Run;
+use crate::context::{RunContext, Stop};
+use crate::error::Failure;
+use crate::record::{Recorder, Snapshot, StructureSnapshot};
+use crate::restart::Start;
+use crate::statistics::RunStatistics;
+use crate::{checkpoint, controls};
+use case::Case;
+use output::{Series, SolverState};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Begins a new run, also one that starts from the result of another. Returns why it stopped early, if it did.
+pub(super) fn begin<const D: usize, const M: usize>(
+    run: &mut impl Run,
+    recorder: &mut Recorder<D, M>,
+    context: &mut RunContext,
+    directory: &Path,
+) -> Result<Option<Stop>, Failure> {
+    let row = match run.open(context) {
+        Ok(row) => row,
+        Err(error) => return Ok(Some(Stop::Failed(error, None))),
+    };
+    let (velocities, flow) = match &run.state().past {
+        Some(past) => (past.v.clone(), past.u.clone()),
+        None => run.slab_at_start().map(Arc::new).into(),
+    };
+    let (time, displacement) = (run.state().time, &run.state().d[..]);
+    let structure = StructureSnapshot::new(recorder.case(), run.state());
+    let averages = &context.statistics.averages;
+    recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow: &flow, structure, averages })?;
+    if let Some(row) = row {
+        recorder.history.push(&[row, controls::values(recorder.case())].concat())?;
+        // The steady flow that the run begins with has distributions along walls; another initial state has none worth keeping.
+        if recorder.case().output.surfaces_every.is_some() {
+            append_surfaces(run, recorder)?;
+        }
+        recorder.checkpoint(run.store(), &context.statistics)?;
+    }
+    run.cut(directory, true)?;
+    Ok(None)
+}
+
+/// Appends the distributions along walls to their series.
+pub(super) fn append_surfaces<const D: usize, const M: usize>(
+    run: &impl Run,
+    recorder: &mut Recorder<D, M>,
+) -> Result<(), Failure> {
+    let time = run.state().time;
+    run.surfaces().iter().try_for_each(|(array, values)| recorder.append_to_series(array, time, values))
+}
+
+/// Begins the series of distributions along walls with those of the `earlier` run, where they have the same points.
+pub(super) fn continue_surfaces<const D: usize, const M: usize>(
+    run: &impl Run,
+    recorder: &mut Recorder<D, M>,
+    earlier: &[Series],
+) -> Result<(), Failure> {
+    for (array, _) in run.surfaces() {
+        let Some(series) = earlier.iter().find(|series| series.array == array) else { continue };
+        let snapshots = series.times.iter().zip(series.values.chunks_exact(array.len()));
+        let mut reached = snapshots.filter(|(time, _)| **time <= run.state().time);
+        reached.try_for_each(|(time, values)| recorder.append_to_series(&array, *time, values))?;
+    }
+    Ok(())
+}
+
+/// Restores the run from a checkpoint, its own or that of the run that it continues.
+pub(super) fn restore<const D: usize>(
+    run: &mut impl Run,
+    stored: Option<&SolverState>,
+    case: &Case<D>,
+) -> Result<RunStatistics, Failure> {
+    controls::set_for_preconditioner(case, stored);
+    let Some(stored) = stored else { return Ok(RunStatistics::default()) };
+    run.restore(stored).ok_or_else(checkpoint::incomplete)?;
+    let statistics = RunStatistics::from_arrays(&stored.arrays, walls(case)).ok_or_else(checkpoint::incomplete)?;
+    controls::set_present(case, &statistics);
+    Ok(statistics)
+}
+
+/// Restores the run from the `start` that another run has left. The balances begin anew if its flow has other integrals here.
+pub(super) fn take_over<const D: usize>(
+    run: &mut impl Run,
+    start: &Start,
+    case: &Case<D>,
+) -> Result<RunStatistics, Failure> {
+    let mut statistics = restore(run, Some(&start.state), case)?;
+    // Balances that have not begun will begin with the integrals of this run.
+    if start.is_measured_anew && !statistics.totals_at_start.is_empty() {
+        run.begin_balances(&mut statistics);
+    }
+    Ok(statistics)
+}
+
+/// The number of walls of the flow.
+pub(super) fn walls<const D: usize>(case: &Case<D>) -> usize {
+    case.flow.as_ref().map_or(0, |flow| flow.walls.len())
+}
