@@ -111,6 +111,8 @@ pub(crate) struct Stresses<T, const D: usize> {
     pub(crate) velocity: [T; D],
     /// tau_ij, symmetric
     pub(crate) tau: [[T; D]; D],
+    /// mu w_j,i, `[i][j]`.
+    shear: [[T; D]; D],
     /// kappa T_,i: the heat flux against direction i
     pub(crate) heat: [T; D],
 }
@@ -158,7 +160,7 @@ impl<T: Real, const D: usize> Stresses<T, D> {
         // T = e / c_v with c_v = R / (gamma - 1), and kappa / c_v = mu gamma / Pr.
         let mu = gas.dynamic_viscosity(internal * ((gas.gamma() - 1.0) / gas.gas_constant()));
         let heat = scaled(&e_grad, mu * (gas.gamma() / gas.prandtl()));
-        Stresses { velocity, tau: stress(mu, &w_grad), heat }
+        Stresses { velocity, tau: stress(mu, &w_grad), shear: each_scaled(&w_grad, mu), heat }
     }
 
     /// Of (F_a) with the viscosity `beta`.
@@ -174,7 +176,8 @@ impl<T: Real, const D: usize> Stresses<T, D> {
         for i in 0..D {
             tau[i][i] = pressure;
         }
-        Stresses { velocity, tau, heat: scaled(&e_grad, beta * (gas.gamma() / ARTIFICIAL_PRANDTL)) }
+        let heat = scaled(&e_grad, beta * (gas.gamma() / ARTIFICIAL_PRANDTL));
+        Stresses { velocity, tau, shear: each_scaled(&w_grad, beta), heat }
     }
 
     /// [0 ; tau_ij ; tau_ij w_j + kappa T_,i], indexed `[direction][component]`.
@@ -203,6 +206,32 @@ impl<T: Real, const D: usize> Stresses<T, D> {
         components(work.zero(), &traction, work + along(&self.heat, n))
     }
 
+    /// The flux where gas leaves: no heat, and a traction without derivatives along the normal,
+    ///
+    /// ```text
+    /// F_v . n = [ 0 ; t ; t . w ],   t_i = mu ( n_j w_j,i - n_i w_k,k )                                              (leaving)
+    /// ```
+    ///
+    /// An outflow has no data for such derivatives. With those from inside a disturbance grows into the domain wherever the mesh resolves
+    /// the length mu / (rho w_n). As part of the inviscid flux, this is the condition mu w_i,n = (p - p_b) n_i of incompressible flow: plane
+    /// channel flow leaves unchanged.
+    #[inline(always)]
+    pub(crate) fn leaving_flux<G: Real, const M: usize>(&self, n: &[G; D]) -> [T; M]
+    where
+        T: Over<G>,
+    {
+        let mut divergence = self.shear[0][0];
+        for k in 1..D {
+            divergence += self.shear[k][k];
+        }
+        let mut traction = self.velocity;
+        for i in 0..D {
+            traction[i] = along(&self.shear[i], n) - divergence.scale(n[i]);
+        }
+        let work = dot(&traction, &self.velocity);
+        components(work.zero(), &traction, work)
+    }
+
     /// The traction tau n on the facet with normal `n`.
     #[inline(always)]
     pub(crate) fn traction<G: Real>(&self, n: &[G; D]) -> [T; D]
@@ -220,6 +249,15 @@ impl<T: Real, const D: usize> Stresses<T, D> {
 /// (tau) in the state `state` with the velocity gradient `w_grad[i][j]` = w_j,i, `[i][j]`.
 pub fn viscous_stress<const D: usize>(gas: &Gas, state: &Primitive<f64, D>, w_grad: &[[f64; D]; D]) -> [[f64; D]; D] {
     stress(gas.dynamic_viscosity(gas.temperature(state.density, state.pressure)), w_grad)
+}
+
+#[inline(always)]
+fn each_scaled<T: Real, const D: usize>(matrix: &[[T; D]; D], factor: T) -> [[T; D]; D] {
+    let mut product = *matrix;
+    for i in 0..D {
+        product[i] = scaled(&matrix[i], factor);
+    }
+    product
 }
 
 /// (tau), with `w_grad[i][j]` = w_j,i.

@@ -24,8 +24,8 @@ use fem::BoundaryPoint;
 use tensor::{Over, Real, dot};
 
 /// Outflow to the static pressure p_b outside. Gas that comes back is the gas of a reservoir, see `opening`. It has the total pressure
-/// p_b and the total temperature T_0 relative to the facet, and enters along the normal. Viscous stress and heat pass as they come
-/// from inside.
+/// p_b and the total temperature T_0 relative to the facet, and enters along the normal. Viscous stress and heat are those of leaving
+/// gas, see `Stresses::leaving_flux`.
 ///
 /// If it lets sound pass, the pressure of (sound) takes the place of p_b.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,6 +105,16 @@ impl<const D: usize> Condition<D> for Outflow<D> {
             outside.velocity[i] = relative.select_ge(c, inside.velocity[i], outside.velocity[i]);
         }
         outside
+    }
+
+    #[inline(always)]
+    fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        stresses: &Stresses<T, D>,
+        at: BoundaryPoint<'_, G, D, M>,
+    ) -> [T; M] {
+        let BoundaryPoint { normal: n, .. } = at;
+        stresses.leaving_flux(n)
     }
 
     /// None: from inside it would feed energy into a compression that the mesh does not resolve.

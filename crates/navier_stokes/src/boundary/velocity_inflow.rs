@@ -2,6 +2,7 @@
 
 use super::Condition;
 use super::given::Values;
+use crate::flux::Stresses;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along};
 use fem::BoundaryPoint;
@@ -49,6 +50,23 @@ impl<const D: usize> Condition<D> for VelocityInflow {
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
         self.on_facet(law, minus, at).pack(&law.gas)
+    }
+
+    /// Gas that leaves through the facet has no data for its heat and its tangential velocity.
+    #[inline(always)]
+    fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        stresses: &Stresses<T, D>,
+        at: BoundaryPoint<'_, G, D, M>,
+    ) -> [T; M] {
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
+        let inward = -along(&stresses.velocity, n).minus(dot(v, n));
+        let (entering, leaving): ([T; M], [T; M]) = (stresses.normal_flux(n), stresses.leaving_flux(n));
+        let mut flux = entering;
+        for m in 0..M {
+            flux[m] = inward.select_ge(inward.zero(), entering[m], leaving[m]);
+        }
+        flux
     }
 
     /// The state on the facet. With k = (gamma - 1) / 2 and R+ = w_n + c / k of the gas inside at its own entropy,
