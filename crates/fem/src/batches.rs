@@ -61,6 +61,12 @@ impl FacetBatch {
 }
 
 impl FacetBatches {
+    /// Whether the facet of a face, `[cell][face]`, lies between two cells.
+    pub fn is_interior(&self, face: usize) -> bool {
+        let slot = self.of_face[face].0 as usize;
+        self.batches[slot / WIDTH].boundary.is_none()
+    }
+
     /// The permutation to the lattice of the plus side of a facet; `None` if both lattices are the same.
     pub fn permutation(&self, batch: &FacetBatch, lane: usize, side: usize) -> Option<&Permutation> {
         let number = if side == 0 { 0 } else { batch.plus[lane].1 };

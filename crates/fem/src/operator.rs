@@ -141,6 +141,11 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         self.held_time
     }
 
+    /// Whether another cell lies behind `face` of an own cell.
+    pub fn has_neighbour(&self, cell: usize, face: usize) -> bool {
+        self.facets.is_interior(cell * 2 * D + face)
+    }
+
     /// The row of positions at the top of the slab.
     pub fn top_row(&self) -> Matrix {
         self.tables.top.position_row(self.dt)
