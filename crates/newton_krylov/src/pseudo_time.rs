@@ -8,11 +8,16 @@
 //! is zero for an undamped field.
 //!
 //! A residual may grow on the way to a solution: a flow that starts suddenly passes through waves. After a rejection (ser) would then keep
-//! dtau as short as that one step needed. With a recovery factor above 1, dtau grows by at least this factor in every full step:
+//! dtau as short as that one step needed. Where diffusion takes long, the residual hardly falls, and dtau would hardly grow. With a recovery
+//! factor above 1, dtau grows by at least this factor in such steps:
 //!
 //! ```text
-//! (recovery)   dtau_k >= recovery dtau_k of the step before,   after a rejection, where the step length was 1
+//! (recovery)   dtau_k >= recovery dtau_k of the step before,   where the step length was 1, after a rejection,
+//!                                                              or if 0.9 |R_k| of the step before <= |R_k| <= |R_k| of the step before
 //! ```
+
+/// The factor by which a residual falls that hardly falls.
+const HARDLY: f64 = 0.9;
 
 /// The settings of [`PseudoTime`], the same for every field: a problem scales its M_k to make them comparable.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +61,8 @@ pub struct PseudoTime {
     settings: Settings,
     fields: Vec<FieldState>,
     inverse: Vec<f64>,
+    /// |R_k| after the last step.
+    norms: Vec<f64>,
     /// Whether a step was rejected.
     rejected: bool,
 }
@@ -77,7 +84,7 @@ impl PseudoTime {
         };
         let fields: Vec<FieldState> = field_norms.iter().zip(tolerances).map(start).collect();
         let inverse = fields.iter().map(|field| field.inverse).collect();
-        Self { settings, fields, inverse, rejected: false }
+        Self { settings, fields, inverse, norms: field_norms.to_vec(), rejected: false }
     }
 
     /// 1/dtau_k of each field.
@@ -93,8 +100,13 @@ impl PseudoTime {
     /// Applies (ser) and (recovery) after an accepted step of the given length that ended at `field_norms`.
     pub fn accept(&mut self, field_norms: &[f64], step_length: f64) {
         let Settings { power, growth, switch_off, recovery, .. } = self.settings;
-        let recovers = recovery > 1.0 && self.rejected && step_length == 1.0;
-        for ((inverse, start), &norm) in self.inverse.iter_mut().zip(&self.fields).zip(field_norms) {
+        let may_recover = recovery > 1.0 && step_length == 1.0;
+        for (((inverse, start), &norm), before) in
+            self.inverse.iter_mut().zip(&self.fields).zip(field_norms).zip(&mut self.norms)
+        {
+            let hardly_falls = (HARDLY * *before..=*before).contains(&norm);
+            let recovers = may_recover && (self.rejected || hardly_falls);
+            *before = norm;
             let wanted = start.inverse * (norm / start.norm).powf(power);
             *inverse = if *inverse == 0.0 || norm <= switch_off * start.norm {
                 0.0

@@ -31,6 +31,9 @@ const SMALL: f64 = 1e-2;
 /// A flow that changes by less is at rest also if its change rises again: inviscid gas at rest has modes that nothing damps.
 const UNDAMPED: f64 = 1e-5;
 
+/// The same holds if the change per time has fallen to this part of its largest value: such modes drift, in slabs that become longer.
+const DRIFT: f64 = 1e-6;
+
 /// So many slabs of rising changes in a row tell such a mode.
 const RISES: usize = 3;
 
@@ -99,7 +102,7 @@ pub fn find_equilibrium<const D: usize, const M: usize>(
     // The jump is an L2 norm over the domain.
     let mut largest_jump = SMALL * march.solver.system.mover().reference.volume().sqrt();
     let (mut steps, mut iterations) = (0, 0);
-    let (mut flow, mut bodies, mut rises) = (f64::INFINITY, 1.0, 0);
+    let (mut flow, mut bodies, mut rises, mut fastest) = (f64::INFINITY, 1.0, 0, 0.0_f64);
     for slabs in 1..=SLABS {
         let before = march.state.d.clone();
         let step = march.state.step;
@@ -113,7 +116,9 @@ pub fn find_equilibrium<const D: usize, const M: usize>(
         // A slab that could not be solved has been shortened.
         let solved = report.interval.end - report.interval.start;
         tracing::info!(slabs, length = solved, flow, bodies, "equilibrium");
-        let rests = flow <= tolerance || (rises >= RISES && flow <= UNDAMPED);
+        let rate = jump / solved;
+        fastest = fastest.max(rate);
+        let rests = flow <= tolerance || (rises >= RISES && (flow <= UNDAMPED || rate <= DRIFT * fastest));
         if rests && bodies <= tolerance && solved >= TELLING * first {
             return Ok(Equilibrium { report: at_rest(start, report, &mut march.state), slabs, steps, iterations });
         }

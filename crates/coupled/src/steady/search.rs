@@ -1,6 +1,6 @@
 //! The steady flow from any start: directly if that is easy, otherwise from one discretisation to the next.
 //!
-//! 1. Pseudo-time at the order asked for. It gives up as soon as its residual no longer falls.
+//! 1. Pseudo-time at the order asked for. It gives up as soon as its residual falls by too little.
 //! 2. If it has given up: order 2 with the most dissipative flux, then with the flux of the case orders 3, 4, .., each from the flow before.
 //! 3. If that has failed: some slabs of the march in time from the best state, on data of one time. Where their residual falls,
 //!    pseudo-time is tried again from there. Where it does not, the flow is unsteady.

@@ -34,15 +34,21 @@ impl Settling {
         self.late < CALM * self.early
     }
 
+    /// Whether the rate of change does not even fall slowly.
+    pub fn is_unsteady(&self) -> bool {
+        self.late >= self.early
+    }
+
     /// The result, as part of a sentence.
     pub fn describe(&self) -> String {
         let Settling { early, late, duration } = self;
         let seen = format!(
-            "marched in time for {duration:.3} from the best state, its rate of change went from {early:.2e} to {late:.2e}"
+            "marched in time for {duration:.2e} from the best state, its rate of change went from {early:.2e} to {late:.2e}"
         );
-        match self.calms_down() {
-            true => format!("though the flow calms down: {seen}"),
-            false => format!("for the flow is unsteady: {seen}"),
+        match (self.calms_down(), self.is_unsteady()) {
+            (true, _) => format!("though the flow calms down: {seen}"),
+            (_, true) => format!("for the flow is unsteady: {seen}"),
+            _ => format!("for the flow settles slowly: {seen}"),
         }
     }
 }
@@ -104,4 +110,18 @@ fn march<const D: usize, const M: usize>(search: &Search<'_, D, M>, u: &[f64], s
     let mut march = FlowMarch::new(problem, u.to_vec(), settings);
     march.state.d.copy_from_slice(search.displacement);
     march
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A flow whose rate of change fell slowly was called unsteady, and a duration of 8e-6 was told as 0.000.
+    #[test]
+    fn only_a_rate_of_change_that_does_not_fall_is_unsteady() {
+        let told = |late: f64| Settling { early: 7e-3, late, duration: 8e-6 }.describe();
+        for (late, part) in [(3e-3, "calms down"), (6.6e-3, "settles slowly"), (7.1e-3, "is unsteady")] {
+            assert!(told(late).contains(part) && told(late).contains("for 8.00e-6 from"), "{}", told(late));
+        }
+    }
 }

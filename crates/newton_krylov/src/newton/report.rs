@@ -123,10 +123,10 @@ pub enum Error {
         /// The report up to the failure.
         report: Box<Report>,
     },
-    /// The residual no longer falls.
+    /// The residual falls by too little, or no longer.
     #[error(
-        "Newton step {}: the residual norm no longer falls: it is {:e}, and was {least:e} after step {since} already",
-        report.steps.len(), report.final_norm()
+        "Newton step {}: the residual norm has not fallen enough in the last {} steps: it is {:e}, and was {least:e} before them",
+        report.steps.len(), report.steps.len() - since, report.final_norm()
     )]
     Stalled {
         /// The least norm.

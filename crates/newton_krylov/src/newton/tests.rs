@@ -363,6 +363,7 @@ fn a_residual_that_no_longer_falls_ends_the_solve_at_the_best_iterate() {
     let best = history.iter().copied().fold(f64::INFINITY, f64::min);
     assert_eq!(x[0] * x[0] + 1.0, best, "back at the best iterate");
     assert!(*least >= best && *least <= best / 0.9);
+    assert!(error.to_string().contains("has not fallen enough in the last 5 steps"), "{error}");
 }
 
 #[test]

@@ -98,6 +98,8 @@ pub struct Settling {
     pub duration: f64,
     /// Whether it becomes steady.
     pub calms_down: bool,
+    /// Whether its rate of change does not fall.
+    pub is_unsteady: bool,
 }
 
 /// The mesh.

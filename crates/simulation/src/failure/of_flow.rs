@@ -250,7 +250,7 @@ where
 /// As failure data.
 fn seen(settling: &coupled::Settling) -> Settling {
     let coupled::Settling { early, late, duration } = *settling;
-    Settling { early, late, duration, calms_down: settling.calms_down() }
+    Settling { early, late, duration, calms_down: settling.calms_down(), is_unsteady: settling.is_unsteady() }
 }
 
 /// The rate of the prescribed displacement at time `t`, by a forward difference over a millionth of a `step`.

@@ -77,9 +77,9 @@ fn warning(reliability: &Reliability) -> Option<String> {
     let stability = reliability.stability.filter(Stability::is_unstable)?;
     let seen = match stability.completed {
         true => {
-            format!("within {:.3} its rate of change grew by a factor of {:.1e}", stability.duration, stability.growth)
+            format!("within {:.2e} its rate of change grew by a factor of {:.1e}", stability.duration, stability.growth)
         }
-        false => format!("it failed after {:.3}, where a slab could not be solved", stability.duration),
+        false => format!("it failed after {:.2e}, where a slab could not be solved", stability.duration),
     };
     let resolution = match reliability.next_order_residual {
         Some(residual) => format!("its residual at the next higher order is {residual:.1e} of the inertial terms"),

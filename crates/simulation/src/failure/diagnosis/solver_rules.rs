@@ -28,19 +28,27 @@ pub fn newton_steps(data: &FailureData) -> Option<Cause> {
 
 /// A steady flow was not found, and a march in time has shown whether the flow becomes steady.
 pub fn no_steady_flow(data: &FailureData) -> Option<Cause> {
-    let Settling { early, late, duration, calms_down } = data.newton.as_ref()?.settling?;
+    let Settling { early, late, duration, calms_down, is_unsteady } = data.newton.as_ref()?.settling?;
     let [early, late, duration] = [early, late, duration].map(number);
     let seen =
         format!("marched in time for {duration} from the best state, its rate of change went from {early} to {late}");
-    let (name, likelihood, what) = match calms_down {
-        false => ("unsteady_flow", 0.9, format!("perhaps there is no steady flow, for the flow is unsteady: {seen}")),
-        true => (
+    let (name, likelihood, what) = match (calms_down, is_unsteady) {
+        (_, true) => {
+            ("unsteady_flow", 0.9, format!("perhaps there is no steady flow, for the flow is unsteady: {seen}"))
+        }
+        (true, _) => (
             "slow_settling",
             0.7,
             format!("Newton's method does not find the steady flow, though the flow calms down: {seen}"),
         ),
+        _ => ("slow_settling", 0.9, format!("the flow settles slowly: {seen}")),
     };
-    let remedy = "march in time: remove `[solver.steady]`, and give a `time.end` and `time.step`".into();
+    let march = "march in time: remove `[solver.steady]`, and give a `time.end` and `time.step`";
+    let remedy = if calms_down || is_unsteady {
+        march.to_owned()
+    } else {
+        format!("a longer first step of pseudo-time, for instance `solver.steady.first_step = 10`; or {march}")
+    };
     Some(Cause { name, likelihood, what, remedy })
 }
 

@@ -253,7 +253,10 @@ fn numbers_are_rounded_in_sentences() {
 /// Only a march in time can decide; its result precedes guesses.
 #[test]
 fn a_flow_that_does_not_settle_is_called_unsteady() {
-    let settling = |late: f64, calms_down| Settling { early: 0.5, late, duration: 8.0, calms_down };
+    let settling = |late: f64, calms_down| {
+        let is_unsteady = late >= 0.5;
+        Settling { early: 0.5, late, duration: 8.0, calms_down, is_unsteady }
+    };
     let with = |settling| {
         first(|e| {
             e.attempt.steady = true;
@@ -262,6 +265,7 @@ fn a_flow_that_does_not_settle_is_called_unsteady() {
         })
     };
     assert_eq!(with(settling(0.6, false)), "unsteady_flow");
+    assert_eq!(with(settling(0.45, false)), "slow_settling");
     assert_ne!(first(|e| e.attempt.steady = true), "unsteady_flow");
     assert_ne!(with(settling(0.01, true)), "unsteady_flow");
 }
