@@ -13,8 +13,11 @@ pub(super) fn lasting(case: &Case) -> Case {
     Case {
         title: String::new(),
         time: Time { end: 0.0, slabs: None, step, adaptive, ..case.time },
-        // The existence of a steady start is kept.
-        solver: Solver { steady: case.solver.steady.map(|_| Steady::default()), ..Solver::default() },
+        // The existence of a steady start is kept, and what is in equilibrium there.
+        solver: Solver {
+            steady: case.solver.steady.map(|Steady { bodies, .. }| Steady { bodies, ..Steady::default() }),
+            ..Solver::default()
+        },
         // They are the columns of history.csv and the fields of the result.
         output: Output {
             fields: case.output.fields.clone(),

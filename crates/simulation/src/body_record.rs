@@ -88,6 +88,14 @@ impl BodyRecord {
         }
     }
 
+    /// Keeps the coordinates of observed points, D of each: for every point of a run its place among those so far, or none for a new one.
+    pub fn keep<const D: usize>(&mut self, places: &[Option<usize>]) {
+        let so_far = |place: &Option<usize>| place.and_then(|place| self.coordinates.get(place * D..(place + 1) * D));
+        let kept =
+            places.iter().map(|place| so_far(place).map_or_else(|| vec![Oscillation::default(); D], <[_]>::to_vec));
+        self.coordinates = kept.flatten().collect();
+    }
+
     /// The energy of the body in excess of its ledger, without the work of the flow.
     pub fn gained(&self, state: &BodyState) -> f64 {
         let ledger = &state.ledger;
@@ -145,5 +153,14 @@ mod tests {
         let both = [record.numbers(), record.numbers()].concat();
         assert_eq!(BodyRecord::read_all(&both).unwrap(), [record.clone(), record]);
         assert_eq!(BodyRecord::read_all(&both[..both.len() - 1]), None);
+    }
+
+    /// Coordinates of observed points went by their number to other points.
+    #[test]
+    fn points_keep_their_own_record() {
+        let at = |q: f64| Oscillation { last: Some([1.0, q, 0.0]), ..Oscillation::default() };
+        let mut record = BodyRecord { energy_at_start: 2.0, coordinates: [1.0, 2.0, 3.0, 4.0].map(at).to_vec() };
+        record.keep::<2>(&[None, Some(1)]);
+        assert_eq!(record.coordinates, [Oscillation::default(), Oscillation::default(), at(3.0), at(4.0)]);
     }
 }

@@ -131,7 +131,7 @@ pub(super) trait Run {
     fn awaits_start(&self, _statistics: &RunStatistics) -> bool {
         false
     }
-    /// Begins the balances anew, after the run was restored with other integrals of the same flow.
+    /// Begins the balances anew, after the run was restored with other integrals of the same flow, or other energies of bodies.
     fn begin_balances(&mut self, _statistics: &mut RunStatistics) {}
     /// Velocities and flow at the start, at every time node, laid out like those of a slab.
     fn slab_at_start(&self) -> [Vec<f64>; 2];

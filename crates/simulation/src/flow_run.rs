@@ -89,6 +89,15 @@ where
         self.crew.as_ref().map_or(&self.march.solver.system.flow.operator, |crew| &crew.operator)
     }
 
+    /// The integrals of the present flow, between two slabs.
+    fn totals(&mut self) -> Vec<f64> {
+        let d = self.state().d.clone();
+        let operator =
+            self.crew.as_mut().map_or(&mut self.march.solver.system.flow.operator, |crew| &mut crew.operator);
+        operator.set_displacement(&d);
+        coupled::totals(self.operator(), &self.state().u)
+    }
+
     /// The walls of all bodies, by their number in the list of walls.
     fn walls_of_bodies(&self) -> Vec<usize> {
         let walls = self.flow.walls.iter().enumerate();
@@ -254,11 +263,9 @@ where
         self.case.solver.steady.is_some() && self.state().slab == 0 && statistics.steady.is_none()
     }
     fn begin_balances(&mut self, statistics: &mut RunStatistics) {
-        let d = self.state().d.clone();
-        let operator =
-            self.crew.as_mut().map_or(&mut self.march.solver.system.flow.operator, |crew| &mut crew.operator);
-        operator.set_displacement(&d);
-        statistics.rebase(coupled::totals(self.operator(), &self.state().u));
+        let totals = self.totals();
+        statistics.rebase(totals);
+        statistics.rebase_bodies(&self.march.bodies(), &self.walls_of_bodies());
     }
 
     fn slab_at_start(&self) -> [Vec<f64>; 2] {
@@ -281,7 +288,7 @@ where
         }
         self.begin_averages(&mut context.statistics.averages);
         if context.statistics.totals_at_start.is_empty() || row.is_some() {
-            context.statistics.totals_at_start = coupled::totals(self.operator(), &self.state().u);
+            context.statistics.totals_at_start = self.totals();
             let start = |state: &BodyState| BodyRecord::start(state, self.state().time);
             context.statistics.bodies = self.march.bodies().iter().map(start).collect();
         }

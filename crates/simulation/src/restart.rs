@@ -2,13 +2,16 @@
 
 mod carried;
 mod error;
+mod supports;
 
 pub use error::RestartError;
 
 use super::statistics::RunStatistics;
 use super::{bodies, checkpoint, fallback, motion_jump};
 use crate::error::Failure;
-use case::{AllowedChange, Case, Flow, Time, bodies_of, gas_of, motion_of, quadrature_of, reference_pressure_of};
+use case::{
+    AllowedChange, Case, Flow, Time, bodies_of, differences, gas_of, motion_of, quadrature_of, reference_pressure_of,
+};
 use coupled::block::BodyState;
 use coupled::{Linearisation, MeshMotion, MeshMover, State, is_before};
 use fem::{Layout, Orders};
@@ -21,6 +24,9 @@ use std::sync::Arc;
 /// The remedy if the gas differs.
 const ALLOW: &str = "; `restart.allow = [\"viscosity\"]`, or \"mach\", if it is to change";
 
+/// The tables of a case on which its steady flow depends.
+const STEADY_PROBLEM: [&str; 7] = ["constants", "tables", "flow", "motion", "bodies", "structure", "solver.steady"];
+
 /// The start of a run that continues another one.
 #[derive(Debug)]
 pub struct Start {
@@ -32,7 +38,7 @@ pub struct Start {
     pub surfaces: Vec<Series>,
     /// Whether the earlier run has only searched a steady flow, and this one searches another.
     pub searches_anew: bool,
-    /// Whether the integrals of the flow are others than those with which the balances of the earlier run began.
+    /// Whether the energies of flow and bodies are measured in another way than when the balances of the earlier run began.
     pub is_measured_anew: bool,
 }
 
@@ -104,8 +110,9 @@ impl Origin {
         if pressure_changes {
             self.shift_pressure::<D, M>(flow, from.flow, &mut state)?;
         }
-        // Only the steady flow has been searched so far; the search continues with the new orders and the new gas.
-        let searches_anew = state.slab == 0 && (gas_changed || from != to);
+        // Only the steady flow has been searched so far; the search continues if that of this case is another.
+        let searches_anew =
+            state.slab == 0 && case.solver.steady.is_some() && (gas_changed || self.is_other(case, &STEADY_PROBLEM)?);
         if searches_anew {
             sums = RunStatistics::default().to_arrays();
         }
@@ -114,8 +121,19 @@ impl Origin {
             false => checkpoint::store(&state.transfer(mover, M, from, to), None, false),
         };
         continued.arrays.extend(sums);
-        let is_measured_anew = pressure_changes || self.has_other_quadrature(case)?;
+        let is_measured_anew =
+            pressure_changes || self.has_other_quadrature(case)? || self.is_other(case, &["bodies", "structure"])?;
         Ok(Start { state: continued, warnings, surfaces: Vec::new(), searches_anew, is_measured_anew })
+    }
+
+    /// Whether one of these `tables` of `case` is another than in the run.
+    fn is_other<const D: usize>(&self, case: &Case<D>, tables: &[&str]) -> Result<bool, RestartError> {
+        let found = differences(&self.result.metadata.case_text, &case.about.resolved);
+        let found = found.map_err(|reason| self.unreadable(reason))?.lasting;
+        let is_in = |key: &str, table: &&str| {
+            key.strip_prefix(*table).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        };
+        Ok(found.iter().any(|difference| tables.iter().any(|table| is_in(&difference.key, table))))
     }
 
     /// Whether the flow of `case` has other integrals over the cells.
@@ -217,7 +235,7 @@ impl Origin {
                 let is_driven = freedom.release.is_none_or(|release| is_before(state.time, release, case.time.step));
                 let Some(motion) = freedom.motion.as_ref().filter(|_| is_driven) else { continue };
                 let here = motion.evaluate::<f64>(&[], state.time);
-                if (there - here).abs() > 1e-9 * (1.0 + there.abs().max(here.abs())) {
+                if (there - here).abs() > 1e-9 * (freedom.size(&case.mesh) + there.abs().max(here.abs())) {
                     let (path, time, body) = (self.path.clone(), state.time, body.name.clone());
                     return Err(RestartError::BodyJumps { path, time, body, coordinate: freedom.name, there, here });
                 }
@@ -262,6 +280,7 @@ impl Origin {
             return Err(RestartError::MotionJumps { path, time: state.time, position, there, here, distance });
         }
         self.check_drives(case, state)?;
+        self.check_supports(case, state)?;
         let path = self.path.display();
         let before = match motion_of(&self.result.metadata.case_text, &case.mesh) {
             Ok(motion) => Case { motion, ..case.clone() },

@@ -4,7 +4,7 @@ use case::{Difference, Differences, differences_after, lasting_of};
 use output::Metadata;
 
 /// The settings that may change, and another way, for the end of a message.
-const MAY_CHANGE: &str = "only the end of the run, `time.adaptive`, `[solver]`, tables after the checkpoint, and in `[output]` all but fields, \
+const MAY_CHANGE: &str = "only the end of the run, `time.adaptive`, `[solver]` without `steady.bodies`, tables after the checkpoint, and in `[output]` all but fields, \
                           formulas, points, integrals and averages may change; with `restart.from` and another output directory a new run starts from \
                           the flow of this one";
 

@@ -11,6 +11,9 @@ use navier_stokes::Conserved;
 use output::Arrays;
 use std::array::from_fn;
 
+/// The numbers of all [`BodyRecord`]s among the arrays of a checkpoint.
+pub const BODIES: &str = "statistics.bodies";
+
 /// The statistics of a run so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunStatistics {
@@ -169,6 +172,11 @@ fn mass_flows<const M: usize>(report: &SlabReport<M>) -> Vec<f64> {
     report.fluxes.last().map_or_else(Vec::new, |top| top.boundaries.iter().map(|flux| flux.total()[0]).collect())
 }
 
+/// The larger of two errors; NaN if one of them is.
+fn worse(error: f64, other: f64) -> f64 {
+    if other.is_nan() || other > error { other } else { error }
+}
+
 impl RunStatistics {
     /// Adds a slab, with the loads of the walls.
     pub fn add<const D: usize, const M: usize>(&mut self, report: &SlabReport<M>, loads: &[WallLoads<D>]) {
@@ -195,8 +203,8 @@ impl RunStatistics {
             sums.iter_mut().zip(to_numbers(&loads.during)).for_each(|(sum, number)| *sum += number);
         }
         let created = self.balances::<D, M>(&report.totals);
-        self.mass_error = self.mass_error.max(created.density.abs());
-        self.energy_error = self.energy_error.max(created.energy.abs());
+        self.mass_error = worse(self.mass_error, created.density.abs());
+        self.energy_error = worse(self.energy_error, created.energy.abs());
     }
 
     /// Adds the `states` of bodies at the end of a slab, the time `t`, in which the gas has the integrals `totals`. `walls` are the walls
@@ -211,12 +219,16 @@ impl RunStatistics {
         self.bodies.iter_mut().zip(states).for_each(|(record, state)| record.add(state, t));
         let Ok(start) = <[f64; M]>::try_from(&self.totals_at_start[..]) else { return };
         let start = Conserved::<f64, D>::unpack(&start).energy;
-        // Work is the last but one of the numbers of a wall.
-        let work = |wall: &usize| self.impulses[*wall].iter().rev().nth(1).copied().unwrap_or(0.0);
-        let lost: f64 = walls.iter().map(work).sum();
         let gained: f64 = self.bodies.iter().zip(states).map(|(record, state)| record.gained(state)).sum();
-        let error = self.balances::<D, M>(totals).energy + (gained - lost) / start;
-        self.coupled_energy_error = self.coupled_energy_error.max(error.abs());
+        let error = self.balances::<D, M>(totals).energy + (gained - self.work_of_flow(walls)) / start;
+        self.coupled_energy_error = worse(self.coupled_energy_error, error.abs());
+    }
+
+    /// The work of the flow on these `walls` so far.
+    fn work_of_flow(&self, walls: &[usize]) -> f64 {
+        // Work is the last but one of the numbers of a wall.
+        let numbers = walls.iter().filter_map(|wall| self.impulses.get(*wall));
+        numbers.map(|numbers| numbers.iter().rev().nth(1).copied().unwrap_or(0.0)).sum()
     }
 
     /// Records the search for the steady flow from which the run starts.
@@ -266,6 +278,15 @@ impl RunStatistics {
         self.totals_at_start = totals.iter().zip(left).map(|(total, left)| total + left).collect();
     }
 
+    /// Begins the balances of bodies in these `states` anew, with their present energies: they may have other masses, springs or materials
+    /// than before. `walls` are as for `add_bodies`.
+    pub fn rebase_bodies(&mut self, states: &[BodyState], walls: &[usize]) {
+        self.bodies.iter_mut().zip(states).for_each(|(record, state)| record.energy_at_start += record.gained(state));
+        // Together they have gained the work of the flow; which of them has gained it, the balance does not ask.
+        let work = self.work_of_flow(walls);
+        self.bodies.iter_mut().take(1).for_each(|record| record.energy_at_start -= work);
+    }
+
     /// As named numbers.
     pub fn to_arrays(&self) -> Arrays {
         let counts = [
@@ -303,7 +324,7 @@ impl RunStatistics {
                 self.steady.as_ref().map_or(Vec::new(), |s| of_reliability(&s.reliability)),
             ),
             ("statistics.errors".into(), vec![self.mass_error, self.energy_error, self.coupled_energy_error]),
-            ("statistics.bodies".into(), self.bodies.iter().flat_map(BodyRecord::numbers).collect()),
+            (BODIES.into(), self.bodies.iter().flat_map(BodyRecord::numbers).collect()),
             ("statistics.structure".into(), {
                 let EnergyBalance { energy_at_start, load_work, support_work, dissipation, damped } = self.structure;
                 vec![energy_at_start, load_work, support_work, dissipation, damped]
@@ -355,5 +376,17 @@ impl RunStatistics {
             controls_of_preconditioner: get("controls_of_preconditioner").unwrap_or_default().to_vec(),
             averages: AverageSums::from_arrays(arrays)?,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::worse;
+
+    /// `f64::max` ignores NaN: a run without a single number for its energy had an error of zero.
+    #[test]
+    fn an_error_that_is_no_number_stays() {
+        assert_eq!((worse(1.0, 2.0), worse(2.0, 1.0)), (2.0, 2.0));
+        assert!(worse(1.0, f64::NAN).is_nan() && worse(f64::NAN, 1.0).is_nan());
     }
 }

@@ -88,10 +88,7 @@ where
         mass_error: flow.conserves_mass().then_some(statistics.mass_error),
         energy_error: is_closed.then_some(statistics.energy_error),
         coupled_energy_error: (is_closed && bodies::has_bodies(case)).then_some(statistics.coupled_energy_error),
-        free_stream_error: match &flow.exact {
-            Some(exact @ State::Uniform(_)) => Some(largest_deviation(whole, exact)),
-            _ => None,
-        },
+        free_stream_error: flow.free_stream().map(|exact| largest_deviation(whole, exact)),
     }
 }
 
@@ -110,7 +107,8 @@ fn add_boundaries<const D: usize>(summary: &mut Summary, case: &Case<D>, flow: &
 /// Rigid bodies, and a structure after them, with their `states`.
 fn add_bodies<const D: usize>(summary: &mut Summary, case: &Case<D>, states: &[BodyState], statistics: &RunStatistics) {
     for ((body, state), record) in case.bodies.iter().zip(states).zip(&statistics.bodies) {
-        summary.bodies.insert(body.name.clone(), of_body(body, state, record));
+        let size = bodies::extent(&case.mesh, &body.walls);
+        summary.bodies.insert(body.name.clone(), of_body(body, size, state, record));
     }
     if let (Some((structure, _)), Some(state), Some(record)) =
         (bodies::beside_flow(case), states.last(), statistics.bodies.last())
@@ -136,8 +134,12 @@ fn of_wall<const D: usize>(wall: &case::Wall<D>, impulses: &[f64], forces: &[f64
     }
 }
 
-/// Of a rigid body.
-fn of_body<const D: usize>(body: &case::RigidBody<D>, state: &BodyState, record: &BodyRecord) -> Body {
+/// Of a rigid body of a `size`.
+fn of_body<const D: usize>(body: &case::RigidBody<D>, size: f64, state: &BodyState, record: &BodyRecord) -> Body {
+    let named = |freedom: &case::Freedom| {
+        let arm = if freedom.direction.rotates() { size } else { 1.0 };
+        (freedom.name.to_owned(), arm)
+    };
     let (displacement, theta) = moved(body, &state.position);
     let (velocity, rate) = moved(body, &state.rate);
     let turns = body.freedoms.iter().any(|freedom| freedom.name.starts_with("rotation_"));
@@ -152,7 +154,7 @@ fn of_body<const D: usize>(body: &case::RigidBody<D>, state: &BodyState, record:
         angular_velocity: about_axis(&state.rate),
         angular_velocity_vector: turns.then(|| tensor::angular_velocity(&theta, &rate).to_vec()),
         spring_energy: Some(state.potential_energy),
-        ..of_any_body(body.freedoms.iter().map(|freedom| freedom.name.to_owned()).collect(), state, record)
+        ..of_any_body(body.freedoms.iter().map(named).collect(), state, record)
     }
 }
 
@@ -176,15 +178,13 @@ pub fn of_elastic_body<const D: usize>(structure: &case::Structure<D>, state: &B
         displacement: first(&state.position),
         velocity: first(&state.rate),
         strain_energy: Some(state.potential_energy),
-        ..of_any_body(bodies::point_names(structure), state, record)
+        ..of_any_body(bodies::point_names(structure).into_iter().map(|name| (name, 1.0)).collect(), state, record)
     }
 }
 
-/// Oscillations and energies of a body with coordinates of these `names`.
-fn of_any_body(names: Vec<String>, state: &BodyState, record: &BodyRecord) -> Body {
-    // The coordinate that moves most stands for the body.
-    let largest =
-        record.coordinates.iter().max_by(|a, b| a.amplitude().unwrap_or(0.0).total_cmp(&b.amplitude().unwrap_or(0.0)));
+/// Oscillations and energies of a body. Each of its `coordinates` has a name and an arm, the way that its unit moves the body.
+fn of_any_body(coordinates: Vec<(String, f64)>, state: &BodyState, record: &BodyRecord) -> Body {
+    let largest = moves_most(&coordinates, record);
     let figures = |oscillation: &Oscillation| output::Oscillation {
         amplitude: oscillation.amplitude(),
         frequency: oscillation.frequency(),
@@ -192,7 +192,11 @@ fn of_any_body(names: Vec<String>, state: &BodyState, record: &BodyRecord) -> Bo
     Body {
         amplitude: largest.and_then(Oscillation::amplitude),
         frequency: largest.and_then(Oscillation::frequency),
-        coordinates: names.into_iter().zip(record.coordinates.iter().map(figures)).collect(),
+        coordinates: coordinates
+            .into_iter()
+            .map(|(name, _)| name)
+            .zip(record.coordinates.iter().map(figures))
+            .collect(),
         work: state.ledger.flow,
         kinetic_energy: state.kinetic_energy,
         drive_work: state.ledger.drive,
@@ -201,6 +205,15 @@ fn of_any_body(names: Vec<String>, state: &BodyState, record: &BodyRecord) -> Bo
         numerical_dissipation: state.ledger.numerical,
         ..Body::default()
     }
+}
+
+/// The coordinate that moves the body most; it stands for the body.
+fn moves_most<'a>(coordinates: &[(String, f64)], record: &'a BodyRecord) -> Option<&'a Oscillation> {
+    let way = |(coordinate, (_, arm)): (&'a Oscillation, &(String, f64))| {
+        (arm * coordinate.amplitude().unwrap_or(0.0), coordinate)
+    };
+    let ways = record.coordinates.iter().zip(coordinates).map(way);
+    ways.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, coordinate)| coordinate)
 }
 
 /// The figures of an inflow or outflow.
@@ -380,4 +393,28 @@ fn is_affine<const D: usize>(case: &Case<D>, g: &DisplacementOf<'_, D>) -> bool 
             (value[d] - affine).abs() <= tolerance
         })
     })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    /// A small body that pitches by 0.2 rad and heaves by half of its size: the larger number is not the larger motion.
+    #[test]
+    fn an_angle_is_weighed_against_a_length() {
+        let at = |t: f64| BodyState {
+            position: vec![5e-4 * (3.0 * t).sin(), 0.2 * (5.0 * t).sin()],
+            rate: vec![1.5e-3 * (3.0 * t).cos(), (5.0 * t).cos()],
+            ..BodyState::default()
+        };
+        let mut record = BodyRecord::start(&at(0.0), 0.0);
+        (1..200).map(|k| 0.05 * f64::from(k)).for_each(|t| record.add(&at(t), t));
+        let amplitude = |size: f64| {
+            let coordinates = vec![("y".to_owned(), 1.0), ("rotation".to_owned(), size)];
+            of_any_body(coordinates, &at(10.0), &record).amplitude.unwrap()
+        };
+        let (small, large) = (amplitude(1e-3), amplitude(1.0));
+        assert!((small - 5e-4).abs() < 1e-6 && (large - 0.2).abs() < 1e-3, "{small} {large}");
+    }
 }

@@ -7,6 +7,7 @@ mod boundary_data;
 mod boundary_motion;
 mod controls;
 mod displacement;
+mod equilibrium;
 mod flow;
 mod forces;
 mod given;
@@ -18,6 +19,7 @@ mod mesh;
 mod motion;
 mod movers;
 mod openings;
+mod over_run;
 mod parallel;
 mod parts;
 mod probes;
@@ -35,6 +37,7 @@ mod structure;
 mod surfaces;
 mod tables;
 mod time;
+mod vector_of_time;
 mod walls;
 
 pub use super::raw::{
@@ -52,7 +55,8 @@ pub use motion::{Motion, Stiffness};
 pub use parts::SolidPart;
 pub use probes::{Line, Observed, Probe, Slice, is_name_of_average};
 pub use resolved::{
-    bodies_of, gas_of, motion_of, quadrature_of, ratio_of_specific_heats_of, reference_pressure_of, title_of, walls_of,
+    bodies_of, gas_of, motion_of, quadrature_of, ratio_of_specific_heats_of, reference_pressure_of,
+    structure_points_of, title_of, walls_of,
 };
 pub use sliding_mesh::{Held, constrained};
 pub use source::Source;
@@ -225,7 +229,7 @@ impl<const D: usize> Case<D> {
         else {
             return Err(checker.follows(&Key::default()));
         };
-        check_together(checker, &independent, &dependent)?;
+        check_together(checker, raw, &independent, &dependent)?;
         Ok(Self::assembled(checker, document, raw, independent, dependent, stages))
     }
 

@@ -70,6 +70,15 @@ pub fn bodies_of(resolved: &str) -> Result<String, String> {
     Ok(if bodies.is_empty() { "none".to_owned() } else { bodies.join("; ") })
 }
 
+/// The observed points of the structure of a resolved case, in the order of their values.
+///
+/// # Errors
+/// As [`gas_of`].
+pub fn structure_points_of(resolved: &str) -> Result<Vec<(String, Vec<f64>)>, String> {
+    let points = parsed(resolved)?.structure.map(|structure| structure.points);
+    Ok(points.into_iter().flatten().collect())
+}
+
 /// A rigid body in words: its coordinates, its walls and what it turns about.
 fn described(name: &str, body: &raw::Body) -> String {
     let coordinates: Vec<&str> =

@@ -81,7 +81,7 @@ pub(super) fn restore<const D: usize>(
     Ok(statistics)
 }
 
-/// Restores the run from the `start` that another run has left. The balances begin anew if its flow has other integrals here.
+/// Restores the run from the `start` that another run has left. The balances begin anew if energies are measured in another way here.
 pub(super) fn take_over<const D: usize>(
     run: &mut impl Run,
     start: &Start,

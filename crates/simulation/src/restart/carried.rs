@@ -1,11 +1,13 @@
 //! The history and the sums that a run takes over: for its own columns, walls and controls.
 
 use super::{Origin, RestartError};
+use crate::body_record::BodyRecord;
 use crate::controls;
 use crate::fallback;
 use crate::history::columns;
 use crate::record::{COLUMNS, HISTORY};
-use case::{Case, Flow, walls_of};
+use crate::statistics::BODIES;
+use case::{Case, Flow, structure_points_of, walls_of};
 use output::Arrays;
 
 impl Origin {
@@ -21,8 +23,23 @@ impl Origin {
         if let Some(rows) = arrays.get_mut(HISTORY) {
             *rows = with_columns(rows, &there, &here).into();
         }
+        self.carry_points(case, &mut arrays)?;
         controls::carry(case, &there, &mut arrays);
         Ok(arrays)
+    }
+
+    /// The record of the structure, the last body, keeps what points of the same name and place have done.
+    fn carry_points<const D: usize>(&self, case: &Case<D>, arrays: &mut Arrays) -> Result<(), RestartError> {
+        let points = |text: &str| structure_points_of(text).map_err(|reason| self.unreadable(reason));
+        let (there, here) = (points(&self.result.metadata.case_text)?, points(&case.about.resolved)?);
+        let records = arrays.get(BODIES).and_then(|numbers| BodyRecord::read_all(numbers));
+        let (Some(mut records), true) = (records, there != here) else { return Ok(()) };
+        if let Some(record) = records.get_mut(case.bodies.len()) {
+            let places: Vec<_> = here.iter().map(|point| there.iter().position(|other| other == point)).collect();
+            record.keep::<D>(&places);
+        }
+        arrays.insert(BODIES.into(), records.iter().flat_map(BodyRecord::numbers).collect::<Vec<f64>>().into());
+        Ok(())
     }
 
     /// The sums of walls are in the order of walls.

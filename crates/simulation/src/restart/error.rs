@@ -70,6 +70,24 @@ pub enum RestartError {
         /// Its value in this case.
         here: f64,
     },
+    /// A support of a structure would jump.
+    #[error(
+        "this case cannot start from `{path}`: at t = {time} the support of the structure at {position:?} is displaced by {there:?} there, and \
+         this case puts it at {here:?}; change `structure.boundary`, and the constants and tables in it, so that it goes on from there, or \
+         start anew"
+    )]
+    SupportJumps {
+        /// The result file.
+        path: PathBuf,
+        /// The time reached there.
+        time: f64,
+        /// The point of the structure at rest.
+        position: Vec<f64>,
+        /// Its displacement in the file.
+        there: Vec<f64>,
+        /// Its displacement in this case.
+        here: Vec<f64>,
+    },
     /// The time reached by the run is outside this case.
     #[error(
         "this case cannot start from `{path}`: the run there stands at t = {time}, this case covers t = {start} to {end}; change `time.end`"
