@@ -48,7 +48,7 @@ pub struct Adaptive {
 #[serde(deny_unknown_fields)]
 pub struct Restart {
     /// The result file of the other run, or its directory, relative to the case file. It is continued after its last checkpoint.
-    /// If that is its steady start, the steady flow is solved again from there.
+    /// If that is its steady start, and the steady flow of this case is another one, it is solved from there.
     pub from: PathBuf,
     /// Intended differences to the other run: `["viscosity"]` leads from the steady flow of one Reynolds number to the steady flow of
     /// the next.

@@ -15,14 +15,17 @@ struct Arc {
     lengths: Vec<f64>,
     /// Where it begins.
     start: [f64; 2],
+    /// Where it ends.
+    end: [f64; 2],
     /// z of the lowest row.
     height: f64,
 }
 
 impl<const D: usize> Mesh<D> {
     /// For every C0 node of a `boundary` that is one closed curve, the length of the curve up to the node over its whole length, in [0, 1).
-    /// The curve begins at the end of a facet with the largest x; among several, at the one with the smallest y. The domain lies on its
-    /// right, so it runs counter-clockwise around a body. In three dimensions the same for a wall that is such a curve extruded along z.
+    /// The curve begins at the end of a facet with the largest x; among several, at the one with the smallest y. A node of a periodic wall
+    /// has two positions, and the larger x decides. The domain lies on the right of the curve, so it runs counter-clockwise around a body.
+    /// In three dimensions the same for a wall that is such a curve extruded along z.
     /// `None` for other boundaries.
     pub fn arc_fractions(&self, numbering: &NodeNumbering, boundary: usize) -> Option<BTreeMap<usize, f64>> {
         let arcs: Vec<Arc> = self.sides_of(boundary).map(|side| self.arc(numbering, side)).collect::<Option<_>>()?;
@@ -52,20 +55,20 @@ impl<const D: usize> Mesh<D> {
         let count = if D == 2 { 1 } else { m };
         let mut rows: Vec<Vec<usize>> =
             (0..count).map(|row| (0..m).map(|k| nodes[index(m, k, row)]).collect()).collect();
-        let (mut lengths, mut start) = (lengths(&curve, m), curve[0]);
+        let (mut lengths, [mut start, mut end]) = (lengths(&curve, m), [curve[0], curve[n - 1]]);
         if self.is_domain_left(side, [curve[0], curve[n - 1]]) {
             let whole = lengths[m - 1];
             rows.iter_mut().for_each(|row| row.reverse());
             lengths.reverse();
             lengths.iter_mut().for_each(|length| *length = whole - *length);
-            start = curve[n - 1];
+            std::mem::swap(&mut start, &mut end);
         }
         let height = |row: usize| positions[index(n, 0, row)][D - 1];
         if D == 3 && height(n - 1) < height(0) {
             rows.reverse();
         }
         let height = if D == 2 { 0.0 } else { height(0).min(height(n - 1)) };
-        Some(Arc { rows, lengths, start, height })
+        Some(Arc { rows, lengths, start, end, height })
     }
 
     /// Whether the domain is on the left of a face that runs between `ends` in the plane. The right of (t_x, t_y) is (t_y, -t_x).
@@ -94,8 +97,7 @@ fn place(x: [f64; 2]) -> [u64; 2] {
 
 /// The fractions along the nodes of arcs that form one closed curve, by the places where the arcs begin.
 fn follow(arcs: Vec<&Arc>) -> Option<BTreeMap<[u64; 2], Vec<f64>>> {
-    let before = |a: &&&Arc, b: &&&Arc| (-a.start[0], a.start[1]).partial_cmp(&(-b.start[0], b.start[1]));
-    let first = *arcs.iter().min_by(|a, b| before(a, b).unwrap_or(std::cmp::Ordering::Equal))?;
+    let first = first_node(&arcs)?;
     let mut by_node: BTreeMap<usize, &Arc> = BTreeMap::new();
     for arc in arcs {
         // Two facets that begin in one node do not form a curve.
@@ -103,18 +105,29 @@ fn follow(arcs: Vec<&Arc>) -> Option<BTreeMap<[u64; 2], Vec<f64>>> {
             return None;
         }
     }
-    let (mut fractions, mut length, mut node) = (BTreeMap::new(), 0.0, first.rows[0][0]);
+    let (mut fractions, mut length, mut node) = (BTreeMap::new(), 0.0, first);
     loop {
         let arc = by_node.remove(&node)?;
         let row: Vec<f64> = arc.lengths.iter().map(|along| length + along).collect();
         (length, node) = (row[row.len() - 1], arc.rows[0][row.len() - 1]);
         fractions.insert(place(arc.start), row);
-        if node == first.rows[0][0] {
+        if node == first {
             break;
         }
     }
     fractions.values_mut().flatten().for_each(|fraction| *fraction /= length);
     by_node.is_empty().then_some(fractions)
+}
+
+/// The node with the largest x, then the smallest y, among the ends of `arcs` in the plane.
+fn first_node(arcs: &[&Arc]) -> Option<usize> {
+    let ends = |arc: &&Arc| {
+        let row = &arc.rows[0];
+        [(arc.start, row[0]), (arc.end, row[row.len() - 1])]
+    };
+    let key = |([x, y], _): &([f64; 2], usize)| (-x, *y);
+    let before = |a: &_, b: &_| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal);
+    arcs.iter().flat_map(ends).min_by(before).map(|(_, node)| node)
 }
 
 /// int_{-1}^{xi_k} |dx/dxi| dxi at the Gauss-Lobatto nodes xi_k of order `n`, for the curve through the nodes `positions`.

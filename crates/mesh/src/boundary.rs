@@ -229,18 +229,38 @@ mod tests {
         assert!(mesh.arc_fractions(&numbering, named(&mesh, "far")).is_some());
     }
 
-    #[test]
-    fn walls_of_a_channel_are_not_closed() {
-        let mesh = crate::BoxMesh {
+    fn channel(cells: usize, is_periodic: bool) -> Mesh<2> {
+        crate::BoxMesh {
             lower: [0.0; 2],
             upper: [1.0; 2],
-            cells: [2, 2],
+            cells: [cells, 2],
             order: 2,
             curving: crate::Curving::None,
-            periodic: [false; 2],
+            periodic: [is_periodic, false],
         }
         .build()
-        .unwrap();
+        .unwrap()
+    }
+
+    /// The wall at the top began a cell after the largest x: its arcs run along x, so that none of them starts there.
+    #[test]
+    fn periodic_walls_begin_at_their_largest_x() {
+        for cells in [2, 5] {
+            let mesh = channel(cells, true);
+            let numbering = NodeNumbering::new(&mesh, 3);
+            let places = places(&mesh, &numbering);
+            for (name, sense) in [("top", 1.0), ("bottom", -1.0)] {
+                for (node, s) in mesh.arc_fractions(&numbering, named(&mesh, name)).unwrap() {
+                    let apart = s - sense * places[&node][0];
+                    assert!((apart - apart.round()).abs() < 1e-14, "{name}: {s} at {:?}", places[&node]);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn walls_of_a_channel_are_not_closed() {
+        let mesh = channel(2, false);
         assert_eq!(mesh.arc_fractions(&NodeNumbering::new(&mesh, 2), 0), None);
     }
 }

@@ -249,6 +249,33 @@ fn a_restart_in_which_a_driven_body_would_jump_is_refused() {
     }
 }
 
+/// A jump by a tenth of its way is a jump in a mesh of any size. It was compared with one metre.
+#[test]
+fn a_restart_in_which_a_small_body_would_jump_is_refused() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let case = |length: f64, end: f64, more: &str| {
+        format!(
+            r#"
+            mesh = {{ order = 2, generate.box = {{ lower = [0, 0], upper = [1e-6, 1e-6], cells = [2, 1] }} }}
+            time = {{ order = 2, end = {end:e}, step = 1e-7 }}
+            {more}
+            [bodies.left]
+            mass = 1
+            x = {{ motion = "{length:e}*(1-cos(1e6*t))" }}
+            mesh = {{ weight = "1-x/1e-6" }}
+            {GAS_AT_REST}
+            "#
+        )
+    };
+    std::fs::write(at.join("first.toml"), case(1e-7, 2e-7, "")).unwrap();
+    stsolve(at, &["run", "first.toml", "--output", "first", "--quiet"]).expect(0, &[]);
+    for (length, code, message) in [(1.1e-7, 2, "the coordinate `x` of the body `left`"), (1e-7, 0, "")] {
+        std::fs::write(at.join("second.toml"), case(length, 4e-7, "restart.from = \"first\"")).unwrap();
+        stsolve(at, &["run", "second.toml", "--output", &format!("second{code}"), "--quiet"]).expect(code, &[message]);
+    }
+}
+
 /// Gas at rest between walls.
 const GAS_AT_REST: &str = r#"
     [flow]

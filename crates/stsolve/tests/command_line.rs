@@ -150,6 +150,7 @@ fn check_warns_of_doubtful_choices_and_names_the_remedy() {
             "flow.boundary.airfoil",
         ),
         (&["flow.exact={uniform={velocity=[1,0],mach=0.2}}"], "exact solution", "`flow.initial`"),
+        (&["flow.rotation={rate=0.5}"], "rotating frame", "`prescribed_state = { expression"),
         (&["solver.preconditioner=\"lines\""], "preconditioner", "\"blocks\""),
         (&["output.every=1", "flow.order=16", "time.step=0.001"], "result file", "`output.every`"),
     ] {

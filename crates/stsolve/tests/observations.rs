@@ -119,7 +119,7 @@ fn openings_of_a_periodic_passage_have_their_total_state() {
 fn what_cannot_be_observed_is_refused() {
     let directory = TempDir::new().unwrap();
     let refused = [
-        ("free_stream", "output.probes={far={at=[7,7]}}", "inside the mesh"),
+        ("free_stream", "output.probes={far={at=[7,7]}}", "inside the flow"),
         ("free_stream", "output.probes={far={at=[0.5]}}", "output.probes.far.at"),
         ("free_stream", "output.surfaces={walls=[\"left\"]}", "the case has no wall in a flow"),
         ("couette", "output.surfaces={walls=[\"left\"]}", "accepted: `bottom`, `top`"),

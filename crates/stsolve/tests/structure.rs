@@ -176,7 +176,7 @@ fn what_does_not_go_with_a_structure_is_refused() {
         ("motion.displacement=[0,0]", &["a structure without a flow moves by itself"][..]),
         ("structure.density=-1", &["the density is out of range", "a positive number"]),
         ("structure.poisson_ratio=0.5", &["Poisson's ratio is out of range", "below 0.5"]),
-        ("structure.points.tip=[2,0]", &["the point is out of range", "a point inside the mesh"]),
+        ("structure.points.tip=[2,0]", &["the point is out of range", "a point inside the structure"]),
         ("structure.points={\"a\\nb\"=[0.5,0.025]}", &["the name of the point is out of range", "on one line"]),
         ("structure.boundary.left={held=[\"z\"]}", &["structure.boundary.left.held[0]", "two-dimensional"]),
         ("structure.initial.displacement=[0,1e-3]", &["not that of boundary `left`"]),

@@ -7,6 +7,7 @@ use super::inertia;
 use super::mesh_crate::{Mesh, NodeNumbering};
 use super::shared_nodes::periodic_copies_apart;
 use super::time::Time;
+use super::vector_of_time::vector_of_time;
 use crate::checker::{Checked, Checker};
 use crate::error::collected;
 use crate::expression::Program;
@@ -62,6 +63,18 @@ pub struct Freedom {
     pub motion: Option<Program>,
     /// When it is released.
     pub release: Option<f64>,
+}
+
+impl Freedom {
+    /// Its size: the diameter of the `mesh`, or one radian.
+    pub fn size<const D: usize>(&self, mesh: &Mesh<D>) -> f64 {
+        size_of(&self.direction, mesh)
+    }
+}
+
+/// The size of a coordinate along `direction`: the diameter of the `mesh`, or one radian.
+fn size_of<const D: usize>(direction: &Direction, mesh: &Mesh<D>) -> f64 {
+    if direction.rotates() { 1.0 } else { mesh.diameter() }
 }
 
 /// How the mesh follows.
@@ -134,7 +147,8 @@ pub(super) fn check<const D: usize>(
     Ok(bodies)
 }
 
-fn key_of(name: &str) -> Key {
+/// The key of the body `name`.
+pub(super) fn key_of(name: &str) -> Key {
     Key::new("bodies").child(name)
 }
 
@@ -157,13 +171,17 @@ impl<const D: usize> Given<'_, D> {
             inertia: inertia::check::<D>(checker, &key, raw)?,
             pivot,
             centre_of_mass: point("centre_of_mass", &raw.centre_of_mass, pivot)?,
-            force: raw.force.as_ref().map(|force| checker.formulas_of_time(&key.child("force"), force)).transpose()?,
+            force: raw.force.as_ref().map(|force| self.force(&key.child("force"), force)).transpose()?,
             freedoms,
             mesh: raw.mesh.as_ref().map(|mesh| self.following(&key.child("mesh"), mesh)).transpose()?,
         };
         self.check_weights(&key, &body)?;
         self.check_turns(&key, &body)?;
         Ok(body)
+    }
+
+    fn force(&self, key: &Key, raw: &[raw::Formula]) -> Checked<Vector<D>> {
+        vector_of_time(self.checker, key, "the force", raw, self.time)
     }
 
     fn walls(&self, name: &str, key: &Key, raw: &raw::Body) -> Checked<Vec<usize>> {

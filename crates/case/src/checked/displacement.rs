@@ -1,8 +1,9 @@
-//! Checks that a displacement has a value of reasonable size.
+//! Checks that a displacement has a value of reasonable size, and a rate.
 
 use crate::checker::{Checked, Checker};
 use crate::error::CaseError;
 use crate::key::Key;
+use std::fmt::Arguments;
 
 /// The largest displacement in units of the size of the mesh. Coordinates have 16 digits; beyond this, too few are left
 /// for the cells.
@@ -31,6 +32,16 @@ pub(super) fn check_displacement<const D: usize>(
         largest / size
     );
     Err(checker.combination(key, &problem, &format!("a displacement below {:.1e}", FARTHEST * size)))
+}
+
+/// Checks that the `rate` of `motion`, given at `key`, is finite at `t`.
+pub(super) fn check_rate(checker: &Checker<'_>, key: &Key, motion: Arguments<'_>, t: f64, rate: f64) -> Checked<()> {
+    if rate.is_finite() {
+        return Ok(());
+    }
+    let quantity = format!("the rate of {motion} at t = {t}, {rate},");
+    let accepted = "a formula whose rate is finite over the whole run; write t^1.5 in place of sqrt(t^3), for example";
+    checker.require_of_formula(key, &quantity, false, accepted)
 }
 
 fn undefined<const D: usize>(checker: &Checker<'_>, key: &Key, x: &[f64; D], t: f64) -> Box<CaseError> {

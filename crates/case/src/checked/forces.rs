@@ -3,10 +3,10 @@
 use super::boundary_data::BoundaryData;
 use super::mesh_crate::Mesh;
 use super::time::Time;
+use super::vector_of_time::vector_of_time;
 use crate::checker::{Checked, Checker};
 use crate::error::collected;
 use crate::key::Key;
-use crate::magnitude::is_bounded;
 use crate::raw;
 use crate::vector::Vector;
 use navier_stokes::{ForceScales, Reference, WallForce};
@@ -70,34 +70,14 @@ pub(super) fn check<const D: usize>(
     let wall = |(boundary, (key, forces)): (usize, &(Key, raw::Forces))| {
         let scales = scales(checker, key, forces, reference, length)?;
         let point = match &forces.point {
-            Some(formulas) => point(checker, &key.child("point"), formulas, time)?,
+            Some(formulas) => {
+                vector_of_time(checker, &key.child("point"), "the coordinate of the point", formulas, time)?
+            }
             None => Vector::zero(),
         };
         Ok(Wall { boundary, name: names[boundary].clone(), point, scales })
     };
     collected(walls.map(wall))
-}
-
-/// The point of moments, which must be defined over the whole run.
-fn point<const D: usize>(
-    checker: &Checker<'_>,
-    key: &Key,
-    formulas: &[raw::Formula],
-    time: &Time,
-) -> Checked<Vector<D>> {
-    let point = checker.formulas_of_time(key, formulas)?;
-    for t in time.check_times() {
-        for (axis, value) in point.evaluate(&[0.0; D], t).into_iter().enumerate() {
-            let quantity = format!("the coordinate of the point at t = {t}, {value},");
-            checker.require_of_formula(
-                &key.entry(axis),
-                &quantity,
-                is_bounded(value),
-                "a formula that is finite over the whole run",
-            )?;
-        }
-    }
-    Ok(point)
 }
 
 fn scales<const D: usize>(

@@ -1,8 +1,7 @@
 //! The values of boundary conditions by formulas.
 
 use super::boundary_data::{BoundaryData, Data};
-use super::mesh_crate::Mesh;
-use super::openings::nodes_with_normals;
+use super::openings::NodeAndNormal;
 use super::time::Time;
 use crate::checker::{Checked, Checker};
 use crate::expression::Program;
@@ -51,41 +50,67 @@ impl<'a, const D: usize> Named<'a, D> {
     }
 }
 
-/// Checks the formulas in the `data` of a condition at `key` on the nodes of a boundary.
+/// Checks the formulas in the `data` of a condition at `key` on `nodes` of a boundary at `t`.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
     data: &BoundaryData<D>,
-    mesh: &Mesh<D>,
-    boundary: usize,
-    time: &Time,
+    nodes: &[NodeAndNormal<D>],
+    t: f64,
 ) -> Checked<()> {
     let Some(Named { condition, positive, vector }) = Named::of(data) else { return Ok(()) };
-    let (key, nodes) = (key.child(condition), nodes_with_normals(mesh, boundary));
+    let key = key.child(condition);
     for (name, quantity, formula) in positive {
-        for (x, t) in places(&nodes, time, !formula.depends_on_position()) {
-            let value = formula.evaluate(&x, t);
-            let quantity = format!("{quantity} at {x:?} and t = {t}, {value},");
-            let holds = value > 0.0 && is_computable(value);
-            checker.require_of_formula(&key.child(name), &quantity, holds, "a formula that is positive everywhere")?;
-        }
+        nodes.iter().try_for_each(|(x, _)| check_positive(checker, &key.child(name), quantity, formula, (x, t)))?;
     }
     let Some((name, vector)) = vector else { return Ok(()) };
-    for (x, t) in places(&nodes, time, false) {
-        let holds = vector.evaluate(&x, t).iter().all(|w| is_bounded(*w));
-        let quantity = format!("the vector at {x:?} and t = {t}");
-        checker.require_of_formula(&key.child(name), &quantity, holds, "formulas that are finite everywhere")?;
+    for (x, _) in nodes {
+        let holds = vector.evaluate(x, t).iter().all(|w| is_bounded(*w));
+        let quantity = || format!("the vector at {x:?} and t = {t}");
+        let accepted = "formulas that are finite everywhere";
+        require_of_formula(checker, &key.child(name), holds, quantity, accepted)?;
     }
     Ok(())
 }
 
-/// The nodes at the start. At other times they may have moved, so only formulas `of_time` alone are checked then.
-fn places<const D: usize>(
-    nodes: &[([f64; D], [f64; D])],
+/// Checks the formulas of time alone over the run, on any boundary with a node at `x`. They need not know where the boundary is.
+pub(super) fn check_of_time<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    data: &BoundaryData<D>,
+    x: &[f64; D],
     time: &Time,
-    of_time: bool,
-) -> impl Iterator<Item = ([f64; D], f64)> {
-    let at_start = nodes.iter().map(|(x, _)| (*x, time.start));
-    let later = nodes.iter().take(usize::from(of_time)).flat_map(|(x, _)| time.check_times().map(|t| (*x, t)));
-    at_start.chain(later)
+) -> Checked<()> {
+    let Some(Named { condition, positive, .. }) = Named::of(data) else { return Ok(()) };
+    let of_time = positive.into_iter().filter(|(.., formula)| !formula.depends_on_position());
+    for (name, quantity, formula) in of_time {
+        let key = key.child(condition).child(name);
+        time.check_times().into_iter().try_for_each(|t| check_positive(checker, &key, quantity, formula, (x, t)))?;
+    }
+    Ok(())
+}
+
+/// Checks that the `formula` at `key` is positive at `x` and `t`.
+fn check_positive<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    quantity: &str,
+    formula: &Program,
+    (x, t): (&[f64; D], f64),
+) -> Checked<()> {
+    let value = formula.evaluate(x, t);
+    let quantity = || format!("{quantity} at {x:?} and t = {t}, {value},");
+    let holds = value > 0.0 && is_computable(value);
+    require_of_formula(checker, key, holds, quantity, "a formula that is positive everywhere")
+}
+
+/// Makes the name of the quantity for an error alone: there are many nodes.
+fn require_of_formula(
+    checker: &Checker<'_>,
+    key: &Key,
+    holds: bool,
+    quantity: impl Fn() -> String,
+    accepted: &str,
+) -> Checked<()> {
+    if holds { Ok(()) } else { checker.require_of_formula(key, &quantity(), false, accepted) }
 }

@@ -3,7 +3,8 @@
 use super::boundary_data::{BoundaryData, Data};
 use super::controls::Control;
 use super::given_values;
-use super::mesh_crate::{CellMap, Mesh, face_nodes, outward_area};
+use super::mesh_crate::{BoundaryFacet, CellMap, Mesh, axis_and_side, face_nodes, outward_area};
+use super::slide;
 use super::states::{self, Typical};
 use super::time::Time;
 use crate::checker::{Checked, Checker};
@@ -14,7 +15,7 @@ use crate::point_data::PointData;
 use crate::raw;
 use crate::state::State;
 use crate::vector::Vector;
-use basis::gauss_lobatto;
+use basis::{gauss, gauss_lobatto};
 use navier_stokes::{Boundary, Gas, Inflow, Outflow, Primitive, Reference, SupersonicInflow, VelocityInflow};
 use tensor::{dot, norm};
 
@@ -86,10 +87,8 @@ pub(super) fn relaxed<const D: usize>(
             "this key together with `velocity`",
         ));
     };
-    let nodes = nodes_with_normals(mesh, boundary);
-    let normal = normal_of_plane(checker, &key, &nodes)?;
-    let velocities = nodes.iter().map(|(x, _)| dot(&values.vector.evaluate(x, time.start), &normal));
-    let initial = velocities.sum::<f64>() / nodes.len() as f64;
+    let normal = normal_of_plane(checker, &key, &nodes_with_normals(mesh, boundary))?;
+    let initial = mean(mesh, boundary, |x| dot(&values.vector.evaluate(x, time.start), &normal));
     let name = &mesh.boundary_names()[boundary];
     let control = Control::with_memory(format!("{name}_stream"), format!("{name}_velocity"), initial, memory);
     let vector = Vector::new(normal.map(|n| Program::multiple(n, &control.value)));
@@ -98,17 +97,39 @@ pub(super) fn relaxed<const D: usize>(
 }
 
 /// The outward unit normal of a plane boundary.
-fn normal_of_plane<const D: usize>(
-    checker: &Checker<'_>,
-    key: &Key,
-    nodes: &[([f64; D], [f64; D])],
-) -> Checked<[f64; D]> {
-    /// Round-off of normals.
-    const LITTLE: f64 = 1e-9;
+fn normal_of_plane<const D: usize>(checker: &Checker<'_>, key: &Key, nodes: &[NodeAndNormal<D>]) -> Checked<[f64; D]> {
     let normal = nodes.first().map_or([0.0; D], |(_, normal)| *normal);
-    let is_plane = nodes.iter().all(|(_, other)| (dot(&normal, other) - 1.0).abs() < LITTLE);
+    let is_plane = nodes.iter().all(|(_, other)| is_parallel(&normal, other));
     checker.require(key, "the boundary", is_plane, "a plane boundary, the same normal everywhere")?;
     Ok(normal)
+}
+
+/// Whether two unit normals are the same up to round-off.
+pub(super) fn is_parallel<const D: usize>(a: &[f64; D], b: &[f64; D]) -> bool {
+    /// Round-off of normals.
+    const LITTLE: f64 = 1e-9;
+    (dot(a, b) - 1.0).abs() < LITTLE
+}
+
+/// The mean of `value` over the area of a boundary of the mesh at rest, as `NAME_velocity` is one.
+fn mean<const D: usize>(mesh: &Mesh<D>, boundary: usize, value: impl Fn(&[f64; D]) -> f64) -> f64 {
+    let rule = gauss(mesh.order() + 3);
+    let weights = rule.tensor_weights(D - 1);
+    let (mut integral, mut whole) = (0.0, 0.0);
+    for BoundaryFacet { side, .. } in mesh.boundary_facets().iter().filter(|facet| facet.boundary == boundary) {
+        let (axis, high) = axis_and_side(side.face);
+        let end = [if high == 0 { -1.0 } else { 1.0 }];
+        let map = CellMap::<D>::new(
+            mesh.order(),
+            std::array::from_fn(|along| if along == axis { &end[..] } else { &rule.points }),
+        );
+        let nodes = mesh.cell_coordinates(side.cell);
+        for ((x, jacobian), weight) in map.positions(nodes).iter().zip(map.jacobians(nodes)).zip(&weights) {
+            let area = weight * norm(&outward_area(&jacobian, side.face));
+            (integral, whole) = (integral + area * value(x), whole + area);
+        }
+    }
+    integral / whole
 }
 
 /// Checks an inflow of given velocity or mass flux.
@@ -141,48 +162,74 @@ pub(super) fn supersonic_inflow<const D: usize>(
     Ok(BoundaryData::by_state(Boundary::SupersonicInflow(SupersonicInflow), state))
 }
 
-/// Position and outward unit normal of every node on a boundary of the mesh at rest.
-pub(super) fn nodes_with_normals<const D: usize>(mesh: &Mesh<D>, boundary: usize) -> Vec<([f64; D], [f64; D])> {
+/// Position and outward unit normal of a node on a boundary.
+pub(super) type NodeAndNormal<const D: usize> = ([f64; D], [f64; D]);
+
+/// Every node on a boundary of the mesh at rest.
+fn nodes_with_normals<const D: usize>(mesh: &Mesh<D>, boundary: usize) -> Vec<NodeAndNormal<D>> {
+    let facets = mesh.boundary_facets().iter().filter(|facet| facet.boundary == boundary);
+    nodes_of_facets(mesh, facets, |_, _, _| [0.0; D])
+}
+
+/// The nodes of `facets`, after the displacement of (cell, node of the cell, position at rest). The normals depend on these nodes alone.
+pub(super) fn nodes_of_facets<'a, const D: usize>(
+    mesh: &Mesh<D>,
+    facets: impl Iterator<Item = &'a BoundaryFacet>,
+    displacement: impl Fn(usize, usize, &[f64; D]) -> [f64; D],
+) -> Vec<NodeAndNormal<D>> {
     let order = mesh.order();
     let map = CellMap::on_grid(order, &gauss_lobatto(order).points);
-    let facets = mesh.boundary_facets().iter().filter(|facet| facet.boundary == boundary);
-    let of_facet = |facet: &super::mesh_crate::BoundaryFacet| {
-        let nodes = mesh.cell_coordinates(facet.side.cell);
-        let (positions, jacobians) = (map.positions(nodes), map.jacobians(nodes));
+    let of_facet = |BoundaryFacet { side, .. }: &BoundaryFacet| {
+        let (mut nodes, on_face) = (mesh.cell_coordinates(side.cell).to_vec(), face_nodes(D, order, side.face));
+        for &k in &on_face {
+            let x = &mut nodes.as_chunks_mut::<D>().0[k];
+            let d = displacement(side.cell, k, x);
+            x.iter_mut().zip(d).for_each(|(x, d)| *x += d);
+        }
+        let (positions, jacobians) = (map.positions(&nodes), map.jacobians(&nodes));
         let node = |k: usize| {
-            let area = outward_area(&jacobians[k], facet.side.face);
+            let area = outward_area(&jacobians[k], side.face);
             let size = norm(&area);
             (positions[k], area.map(|a| a / size))
         };
-        face_nodes(D, order, facet.side.face).into_iter().map(node).collect::<Vec<_>>()
+        on_face.into_iter().map(node).collect::<Vec<_>>()
     };
     facets.flat_map(of_facet).collect()
 }
 
-/// Checks the data at `key` on the nodes of a boundary, at the start.
+/// Checks the condition `raw` with its data at `key` on the nodes of a boundary, at the start. `over_run` checks it at other times.
 pub(super) fn check_on_boundary<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
+    raw: &raw::Condition,
     data: &BoundaryData<D>,
-    (mesh, boundary): (&Mesh<D>, usize),
     gas: &Gas,
-    time: &Time,
+    (mesh, boundary, time): (&Mesh<D>, usize, &Time),
 ) -> Checked<()> {
-    let nodes = || nodes_with_normals(mesh, boundary);
-    given_values::check(checker, key, data, mesh, boundary, time)?;
-    match (&data.condition, &data.data) {
-        (Boundary::Inflow(inflow), values) => {
-            let direction = |x: &[f64; D]| match values {
-                Some(Data::Values(values)) => values.vector.evaluate(x, time.start),
-                _ => inflow.direction().unwrap_or([0.0; D]),
-            };
-            points_into_domain(checker, &key.child("inflow"), direction, &nodes())
-        }
-        (Boundary::SupersonicInflow(_), Some(Data::State(state))) => {
-            enters_faster_than_sound(checker, &key.child("supersonic_inflow"), state, &nodes(), gas, time.start)
-        }
-        _ => Ok(()),
+    let nodes = nodes_with_normals(mesh, boundary);
+    check_at(checker, key, data, &nodes, time.start)?;
+    nodes.first().map_or(Ok(()), |(x, _)| given_values::check_of_time(checker, key, data, x, time))?;
+    if let (Boundary::SupersonicInflow(_), Some(Data::State(state))) = (&data.condition, &data.data) {
+        enters_faster_than_sound(checker, &key.child("supersonic_inflow"), state, &nodes, gas, time.start)?;
     }
+    slide::check(checker, key, raw, &nodes, time.start)
+}
+
+/// Checks the data at `key` on `nodes` of a boundary at `t`.
+pub(super) fn check_at<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    data: &BoundaryData<D>,
+    nodes: &[NodeAndNormal<D>],
+    t: f64,
+) -> Checked<()> {
+    given_values::check(checker, key, data, nodes, t)?;
+    let Boundary::Inflow(inflow) = &data.condition else { return Ok(()) };
+    let direction = |x: &[f64; D]| match &data.data {
+        Some(Data::Values(values)) => values.vector.evaluate(x, t),
+        _ => inflow.direction().unwrap_or([0.0; D]),
+    };
+    points_into_domain(checker, &key.child("inflow"), direction, nodes, t)
 }
 
 /// An inflow must not point out of the domain everywhere.
@@ -190,21 +237,22 @@ fn points_into_domain<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
     direction: impl Fn(&[f64; D]) -> [f64; D],
-    nodes: &[([f64; D], [f64; D])],
+    nodes: &[NodeAndNormal<D>],
+    t: f64,
 ) -> Checked<()> {
     /// The least component of the unit direction that points into the domain.
     const LEAST: f64 = 1e-6;
     if let Some((x, _)) = nodes.iter().find(|(x, _)| norm(&direction(x)) == 0.0) {
-        let quantity = format!("the direction at {x:?}, {:?},", direction(x));
+        let quantity = format!("the direction at {x:?} and t = {t}, {:?},", direction(x));
         checker.require(&key.child("direction"), &quantity, false, "a vector that points somewhere")?;
     }
-    let into = |(x, normal): &([f64; D], [f64; D])| {
+    let into = |(x, normal): &NodeAndNormal<D>| {
         let direction = direction(x);
         dot(&direction, normal) < -LEAST * norm(&direction)
     };
     let normal = nodes.first().map_or([0.0; D], |(_, normal)| *normal);
     let accepted = format!("a vector into the domain: the outward normal of the boundary is {normal:.3?}");
-    checker.require(&key.child("direction"), "the direction", nodes.iter().any(into), &accepted)
+    checker.require(&key.child("direction"), &format!("the direction at t = {t}"), nodes.iter().any(into), &accepted)
 }
 
 /// A state that is nowhere supersonic belongs to another condition.
@@ -212,7 +260,7 @@ fn enters_faster_than_sound<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
     state: &State<D>,
-    nodes: &[([f64; D], [f64; D])],
+    nodes: &[NodeAndNormal<D>],
     gas: &Gas,
     start: f64,
 ) -> Checked<()> {

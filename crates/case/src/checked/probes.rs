@@ -163,7 +163,7 @@ fn probe<const D: usize>(
     mesh: &Mesh<D>,
 ) -> Checked<Probe<D>> {
     let at: [f64; D] = checker.finite_vector(&key.child("at"), "the coordinate", &raw.at)?;
-    let accepted = "a point inside the mesh at rest, or on its boundary";
+    let accepted = "a point inside the flow (its mesh at rest), or on its boundary";
     checker.require(&key.child("at"), "the point", mesh.locate(&at).is_some(), accepted)?;
     let fields = fields(checker, &key, &raw.fields)?;
     Ok(Probe { name: name.to_owned(), at, carried: raw.carried, fields })
@@ -183,8 +183,12 @@ fn line<const D: usize>(
         fields: fields(checker, &key, &raw.fields)?,
     };
     if line.carried && !line.meets(mesh) {
-        let problem = "the mesh carries this line, and no point of it lies in the mesh at rest";
-        return Err(checker.combination(&key, problem, "`from` and `to` in the mesh at rest, or on its boundary"));
+        let problem = "the mesh carries this line, and no point of it lies in the mesh of the flow at rest";
+        return Err(checker.combination(
+            &key,
+            problem,
+            "`from` and `to` inside the flow (its mesh at rest), or on its boundary",
+        ));
     }
     Ok(line)
 }

@@ -1,14 +1,16 @@
 //! The sections of a case in the order in which they can be checked, and whether they belong together.
 
 use super::{
-    Averages, Flow, Motion, Observed, Output, RigidBody, Structure, Time, averages, bodies, controls, flow, held_nodes,
-    motion, movers, parallel, parts, probes, sliding_mesh, solver, structure, surfaces, time,
+    Averages, Flow, Motion, Observed, Output, RigidBody, Structure, Time, averages, bodies, controls, equilibrium,
+    flow, held_nodes, motion, movers, over_run, parallel, parts, probes, sliding_mesh, solver, structure, surfaces,
+    time,
 };
 use crate::checker::{Checked, Checker};
 use crate::error::Errors;
 use crate::key::Key;
 use crate::raw;
 use ::mesh as mesh_crate;
+use std::cell::OnceCell;
 
 /// The sections of a case that depend on the mesh and the time, and not on each other. None stands for a section with an error.
 pub(super) struct Independent<const D: usize> {
@@ -165,11 +167,18 @@ fn check_sections_of(checker: &Checker<'_>, raw: &raw::Case) -> Checked<()> {
 /// Checks that sections, each of them correct, fit together.
 pub(super) fn check_together<const D: usize>(
     checker: &Checker<'_>,
+    raw: &raw::Case,
     Whole { time, mesh, flow, structure, .. }: &Whole<D>,
-    WholeDependent { motion, .. }: &WholeDependent<D>,
+    WholeDependent { bodies, motion, .. }: &WholeDependent<D>,
 ) -> Checked<()> {
-    held_nodes::check(checker, structure.as_ref(), motion.as_ref(), mesh, time)?;
-    sliding_mesh::check_walls(checker, mesh, motion.as_ref(), flow.as_ref())
+    let (flow, motion) = (flow.as_ref(), motion.as_ref());
+    equilibrium::check(checker, raw, bodies, structure.as_ref())?;
+    held_nodes::check(checker, structure.as_ref(), motion, mesh, time)?;
+    sliding_mesh::check_walls(checker, mesh, motion, flow)?;
+    let (Some(raw), Some(flow)) = (&raw.flow, flow) else { return Ok(()) };
+    let movers = movers::Movers::new(checker, bodies, structure.as_ref(), Some(flow), mesh)?;
+    let (moved, numbering) = (&movers.moved(mesh), OnceCell::new());
+    over_run::OverRun { checker, flow, mesh, motion, moved, time, numbering }.check(raw)
 }
 
 /// Without a flow slabs are not adapted, no steady flow is searched, and there is nothing to integrate.

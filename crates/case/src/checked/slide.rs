@@ -1,8 +1,6 @@
 //! The sliding of a wall in its own plane.
 
-use super::mesh_crate::Mesh;
-use super::openings::nodes_with_normals;
-use super::time::Time;
+use super::openings::NodeAndNormal;
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
 use crate::raw;
@@ -12,15 +10,14 @@ use tensor::{dot, norm};
 /// The fraction of its velocity with which a wall may leave its plane: a circle of cells of order 3 deviates by 1e-2.
 const OUT_OF_PLANE: f64 = 2e-2;
 
-/// Checks that a `boundary` of `mesh` slides along itself at the start if its condition `raw`, given at `key`, lets it slide. The kernels take only the
-/// tangential part of the velocity, so another part would be ignored silently.
+/// Checks that a boundary with these `nodes` at `t` slides along itself then if its condition `raw`, given at `key`, lets it slide. The kernels take
+/// only the tangential part of the velocity, so another part would be ignored silently.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
     raw: &raw::Condition,
-    mesh: &Mesh<D>,
-    boundary: usize,
-    time: &Time,
+    nodes: &[NodeAndNormal<D>],
+    t: f64,
 ) -> Checked<()> {
     let (name, slide) = match raw {
         raw::Condition::AdiabaticWall(wall) => ("adiabatic_wall", &wall.slide),
@@ -30,15 +27,15 @@ pub(super) fn check<const D: usize>(
     let Some(slide) = slide else { return Ok(()) };
     let key = key.child(name).child("slide");
     let slide: Vector<D> = checker.formulas(&key, slide)?;
-    let velocity = |x: &[f64; D]| slide.evaluate(x, time.start);
-    let leaves = |(x, normal): &([f64; D], [f64; D])| {
+    let velocity = |x: &[f64; D]| slide.evaluate(x, t);
+    let leaves = |(x, normal): &&NodeAndNormal<D>| {
         let velocity = velocity(x);
         dot(&velocity, normal).abs() > OUT_OF_PLANE * norm(&velocity)
     };
-    let Some((x, normal)) = nodes_with_normals(mesh, boundary).into_iter().find(leaves) else { return Ok(()) };
+    let Some((x, normal)) = nodes.iter().find(leaves) else { return Ok(()) };
     let problem = format!(
-        "the wall does not slide in its plane: at {x:?}, where its normal is {normal:.6?}, it would move by {:.3e} along that",
-        dot(&velocity(&x), &normal)
+        "the wall does not slide in its plane: at {x:?} and t = {t}, where its normal is {normal:.6?}, it would move by {:.3e} along that",
+        dot(&velocity(x), normal)
     );
     let accepted = "a velocity along the wall everywhere; a wall that moves otherwise, such as one that turns, is given in [motion]";
     Err(checker.combination(&key, &problem, accepted))

@@ -1,9 +1,10 @@
 //! The solver settings of a case.
 
+use super::equilibrium;
 use crate::checker::{Checked, Checker};
 use crate::error::Errors;
 use crate::key::Key;
-use crate::raw::{self, Solver, Steady, SteadyBodies};
+use crate::raw::{self, Solver, Steady};
 
 /// The largest number of Krylov iterations between restarts.
 const MOST_VECTORS: usize = 10_000;
@@ -71,8 +72,7 @@ pub(super) fn check(checker: &Checker<'_>, raw: &Solver) -> Checked<()> {
 
 /// Checks that there is something that the steady flow of the case `raw` can move, if it is to be in equilibrium with it.
 pub(super) fn check_bodies(checker: &Checker<'_>, raw: &raw::Case) -> Checked<()> {
-    let asks = raw.solver.steady.is_some_and(|steady| steady.bodies == SteadyBodies::Equilibrium);
-    if !asks || !raw.bodies.is_empty() || raw.structure.is_some() {
+    if !equilibrium::is_asked(raw) || !raw.bodies.is_empty() || raw.structure.is_some() {
         return Ok(());
     }
     let key = Key::new("solver").child("steady").child("bodies");

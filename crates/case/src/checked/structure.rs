@@ -182,7 +182,12 @@ fn points<const D: usize>(
         let key = key.child(name);
         check_name(checker, &key, name)?;
         let x = checker.finite_vector(&key, "the coordinate", x)?;
-        checker.require(&key, "the point", mesh.locate(&x).is_some(), "a point inside the mesh, or on its boundary")?;
+        checker.require(
+            &key,
+            "the point",
+            mesh.locate(&x).is_some(),
+            "a point inside the structure, or on its boundary",
+        )?;
         Ok((name.clone(), x))
     };
     collected(raw.points.iter().map(point))

@@ -86,6 +86,31 @@ const BAD: &[(&str, &str, &[&str])] = &[
         "left = { adiabatic_wall = { slide = [0, \"1/y\"] } }",
         &["adiabatic_wall.slide", "the vector at [0.0, 0.0] and t = 0", "finite everywhere"],
     ),
+    (
+        "left = \"slip_wall\"",
+        "left = { adiabatic_wall = { slide = [\"t\", 0] } }",
+        &["adiabatic_wall.slide", "does not slide in its plane", "t = 0.236068"],
+    ),
+    (
+        "left = \"slip_wall\"",
+        "left = { isothermal_wall = { temperature = \"1 - 2*t*y\" } }",
+        &["isothermal_wall.temperature", "the temperature at", "t = 0.618034", "positive everywhere"],
+    ),
+    (
+        "left = \"slip_wall\"",
+        "left = { outflow = { pressure = \"1 - 2*t*y\" } }",
+        &["outflow.pressure", "the pressure at", "t = 0.618034", "positive everywhere"],
+    ),
+    (
+        "left = \"slip_wall\"",
+        "left = { inflow = { total_pressure = \"1 - 2*t*y\", total_temperature = 1, direction = [1, 0] } }",
+        &["inflow.total_pressure", "the pressure at", "t = 0.618034", "positive everywhere"],
+    ),
+    (
+        "left = \"slip_wall\"",
+        "left = { inflow = { total_pressure = 1, total_temperature = 1, direction = [\"1 - 2*t\", 0] } }",
+        &["inflow.direction", "the direction at t = 0.618034", "a vector into the domain"],
+    ),
     ("others = {", "", &["`flow.boundary`", "boundaries `right`, ", "of the mesh have no flow condition", "`others`"]),
     ("others = \"fixed\"", "", &["`motion.boundary`", "boundaries `right`, ", "of the mesh have no motion"]),
     ("elasticity =", "elasticity = { poisson_ratio = 0.5 }", &["`motion.elasticity.poisson_ratio = 0.5`", "below 0.5"]),

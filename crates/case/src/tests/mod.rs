@@ -12,9 +12,11 @@ mod bad_input;
 mod bodies;
 mod continuation;
 mod controls;
+mod in_flow;
 mod meshes;
 mod motions;
 mod outflows;
+mod over_run;
 mod parallel;
 mod rotation;
 mod tables;
@@ -45,6 +47,11 @@ order = 2
 end = 1
 step = 0.3
 "#;
+
+/// The same case with a boundary that rests in the place of the one that moves.
+fn at_rest() -> String {
+    BASE.replace("left = { displacement = [\"4*a*t*y*(1 - y)\", 0] }", "left = \"fixed\"")
+}
 
 fn check_text(text: &str, options: &[&str]) -> Result<AnyCase, Box<CaseError>> {
     let options: Vec<String> = options.iter().map(|option| (*option).to_owned()).collect();
@@ -117,7 +124,7 @@ fn what_the_user_wrote_becomes_what_the_program_needs() {
 #[test]
 fn values_of_conditions_are_numbers_or_data() {
     let data = |condition: &str| {
-        let case = plane(&BASE.replace("left = \"slip_wall\"", &format!("left = {{ {condition} }}")), &[]);
+        let case = plane(&at_rest().replace("left = \"slip_wall\"", &format!("left = {{ {condition} }}")), &[]);
         let BoundaryData { condition, data, .. } = case.flow.unwrap().boundary.remove(0);
         assert_eq!(condition.takes_data(), data.is_some());
         data.map(|data| data.at::<4>(&[2.0, 3.0], 5.0))

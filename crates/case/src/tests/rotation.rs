@@ -26,6 +26,18 @@ fn a_rotating_frame_is_a_source() {
     assert!((x - 14.0).abs() < 1e-13 && (y + 11.0).abs() < 1e-13, "{x} {y}");
 }
 
+/// A uniform stream is no solution in a rotating frame, nor with a force.
+#[test]
+fn only_without_a_source_is_a_uniform_exact_state_a_free_stream() {
+    let has_free_stream = |keys: &str| {
+        let exact = "exact = { uniform = { velocity = [0.5, 0], pressure = 1 } }";
+        let Ok(AnyCase::Plane(case)) = with_rotation(&format!("{exact}\n{keys}")) else { panic!("refused: {keys}") };
+        case.flow.unwrap().free_stream().is_some()
+    };
+    assert!(has_free_stream("") && has_free_stream("source = \"manufactured\""));
+    assert!(!has_free_stream("rotation = { rate = 3 }") && !has_free_stream("source = { acceleration = [1, 0] }"));
+}
+
 #[test]
 fn rotations_that_cannot_be_are_refused() {
     let sponge = "sponge = { strength = 1, target = { velocity = [0, 0], pressure = 1 } }";

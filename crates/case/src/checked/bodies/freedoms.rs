@@ -1,7 +1,8 @@
 //! The coordinates of a rigid body.
 
-use super::{Direction, Freedom, Given};
+use super::{Direction, Freedom, Given, size_of};
 use crate::checked::Time;
+use crate::checked::displacement::check_rate;
 use crate::checked::inertia::{self, COMPONENTS};
 use crate::checked::unit_axis;
 use crate::checker::Checked;
@@ -10,6 +11,7 @@ use crate::key::Key;
 use crate::raw;
 use coupled::blocks::rigid_body::Stops;
 use coupled::rounded_time;
+use tensor::Dual;
 
 impl<const D: usize> Given<'_, D> {
     pub(super) fn freedoms(&self, key: &Key, raw: &raw::Body) -> Checked<Vec<Freedom>> {
@@ -70,7 +72,8 @@ impl<const D: usize> Given<'_, D> {
             )?;
             checker.positive(&key.child("stiffness"), "the stiffness of the stops", stiffness)?;
         }
-        let motion = raw.motion.as_ref().map(|motion| self.drive(&key.child("motion"), motion)).transpose()?;
+        let motion =
+            raw.motion.as_ref().map(|motion| self.drive(&key.child("motion"), &direction, motion)).transpose()?;
         if raw.release.is_some() && motion.is_none() {
             let accepted = "this key together with `motion`";
             return Err(checker.combination(
@@ -128,11 +131,11 @@ impl<const D: usize> Given<'_, D> {
         self.checker.require(key, &format!("the release at t = {release}"), meets, &accepted)
     }
 
-    /// A prescribed coordinate starts at zero and has a value over the whole run.
-    fn drive(&self, key: &Key, raw: &raw::Formula) -> Checked<Program> {
+    /// A coordinate prescribed along `direction` starts at zero, and has a value and a rate over the whole run.
+    fn drive(&self, key: &Key, direction: &Direction, raw: &raw::Formula) -> Checked<Program> {
         let motion = self.checker.formula_of_time(key, raw)?;
         let start = motion.evaluate::<f64>(&[], self.time.start);
-        let at_rest = start.abs() <= 1e-12 * self.mesh.diameter();
+        let at_rest = start.abs() <= 1e-12 * size_of(direction, self.mesh);
         self.checker.require_of_formula(
             key,
             &format!("the motion at the start, {start},"),
@@ -140,7 +143,7 @@ impl<const D: usize> Given<'_, D> {
             "a formula that is zero at the start",
         )?;
         for t in self.time.check_times() {
-            let value = motion.evaluate::<f64>(&[], t);
+            let Dual { value, derivative } = motion.evaluate(&[], Dual::new(t, 1.0));
             let quantity = format!("the motion at t = {t}, {value},");
             self.checker.require_of_formula(
                 key,
@@ -148,6 +151,7 @@ impl<const D: usize> Given<'_, D> {
                 value.is_finite(),
                 "a formula that is finite over the whole run",
             )?;
+            check_rate(self.checker, key, format_args!("the motion"), t, derivative)?;
         }
         Ok(motion)
     }

@@ -1,12 +1,14 @@
 //! The supports and loads of a structure.
 
+use super::super::displacement::check_rate;
 use super::super::parts::SolidPart;
-use super::super::shared_nodes::SharedNodes;
+use super::super::shared_nodes::{SharedNodes, nodes_on};
 use super::Support;
-use crate::checker::{Checked, Checker};
+use crate::checker::{Checked, Checker, OTHERS};
 use crate::error::collected;
 use crate::key::Key;
-use crate::raw::{self, StructureBoundary};
+use crate::raw::{self, Analysis, StructureBoundary};
+use fem::VectorField;
 use std::collections::BTreeMap;
 
 /// Each boundary of the mesh of the structure, in the order of `Mesh::boundary_names`.
@@ -18,11 +20,17 @@ pub(super) fn check<const D: usize>(
 ) -> Checked<Vec<Support<D>>> {
     let SharedNodes { checker, mesh, .. } = *shared;
     let given = with_free_walls(raw, part);
-    let named = checker.by_boundary(&key.child("boundary"), "support or load", &given, mesh.boundary_names())?;
+    let key = key.child("boundary");
+    let named = checker.by_boundary(&key, "support or load", &given, mesh.boundary_names())?;
+    check_others(checker, &key.child(OTHERS), &given, mesh.boundary_names(), part)?;
     let boundary: Vec<Support<D>> = collected(named.iter().map(|(key, boundary)| support(checker, key, boundary)))?;
     let keys: Vec<Key> = named.into_iter().map(|(key, _)| key).collect();
     shared.check(&keys, &|index, _, x, t| boundary[index].prescribed(x, t))?;
     check_walls(checker, part, &keys, &boundary)?;
+    // A static analysis asks for no velocity.
+    if raw.analysis == Analysis::Dynamic {
+        check_rates(shared, &keys, &boundary)?;
+    }
     Ok(boundary)
 }
 
@@ -36,6 +44,50 @@ fn with_free_walls<const D: usize>(
         given.entry(wall.clone()).or_insert(StructureBoundary::Free);
     }
     given
+}
+
+/// `others` stands for a boundary of the structure that has no name of its own in the table `given`, and is no wall to the flow.
+fn check_others<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    given: &BTreeMap<String, StructureBoundary>,
+    names: &[String],
+    part: Option<&SolidPart<D>>,
+) -> Checked<()> {
+    if !given.contains_key(OTHERS) || names.iter().any(|name| !given.contains_key(name)) {
+        return Ok(());
+    }
+    let walls: Vec<String> = part.iter().flat_map(|part| part.wet_names()).map(|wall| format!("`{wall}`")).collect();
+    let (problem, accepted) = ("`others` stands for no boundary: all have a name of their own here", "no such key");
+    if walls.is_empty() {
+        return Err(checker.combination(key, problem, accepted));
+    }
+    let problem = format!("{problem}, or are walls to the flow, for which it does not stand");
+    Err(checker.combination(
+        key,
+        &problem,
+        &format!("{accepted}; a load on a wall to the flow by name, {}", walls.join(", ")),
+    ))
+}
+
+/// Supports that move have a velocity over the whole run.
+fn check_rates<const D: usize>(
+    &SharedNodes { checker, mesh, numbering, time }: &SharedNodes<'_, D>,
+    keys: &[Key],
+    boundary: &[Support<D>],
+) -> Checked<()> {
+    for (index, support) in boundary.iter().enumerate() {
+        let Support::Moved(displacement) = support else { continue };
+        let key = keys[index].child("displacement");
+        for (_, x) in nodes_on(mesh, numbering, index) {
+            for t in time.check_times() {
+                for (axis, rate) in displacement.rate(&x, t).into_iter().enumerate() {
+                    check_rate(checker, &key.entry(axis), format_args!("the displacement at {x:?}"), t, rate)?;
+                }
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Walls to the flow have no support: the flow moves them.

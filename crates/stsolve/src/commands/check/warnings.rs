@@ -4,7 +4,7 @@ use super::Facts;
 use super::resolution::{cells_of_file, free_flow, layer, quadrature, slab_length};
 use super::scales::{MotionScales, on_walls, speed_at_start};
 use case::{Flow, Motion, Preconditioner, State};
-use navier_stokes::{Boundary, Riemann, Viscosity};
+use navier_stokes::{Boundary, Riemann, Source, Viscosity};
 use simulation::PrescribedNode;
 
 /// A far field nearer than this, in reference lengths, influences the flow.
@@ -39,7 +39,13 @@ pub(super) struct Warning {
 pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
     let of_flow = facts.case.flow.as_ref().map(|flow| {
         let walls = on_walls(facts, flow);
-        let of_boundaries = [body(facts, flow), friction(facts, flow), exact(flow), far_field(facts, flow)];
+        let of_boundaries = [
+            body(facts, flow),
+            friction(facts, flow),
+            exact(flow),
+            rotating_frame(facts, flow),
+            far_field(facts, flow),
+        ];
         let of_start = [
             start(facts, flow, &walls),
             sudden_flow(facts, flow),
@@ -98,6 +104,25 @@ fn exact<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
     let text = "`flow.exact` is no solution of a flow with walls, and errors against it mean nothing: `flow.initial` in its place, for instance \
                 `initial = { uniform = { velocity = [1, 0], mach = 0.2 } }`, and `far_field` where boundaries are \"exact\"";
     warning("exact solution", text.to_owned())
+}
+
+/// A uniform stream does not satisfy the equations of a rotating frame.
+fn rotating_frame<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
+    if !matches!(flow.law.source, Source::Rotating(_)) {
+        return None;
+    }
+    let mut boundaries = flow.boundary.iter().zip(facts.case.mesh.boundary_names());
+    let far = boundaries.find(|(data, _)| matches!(data.condition, Boundary::FarField(_)));
+    let (key, remedy) = match (&flow.exact, far) {
+        (Some(State::Uniform(_)), _) => ("flow.exact".to_owned(), "exact"),
+        (_, Some((_, name))) => (format!("flow.boundary.{name}.far_field"), "prescribed_state"),
+        _ => return None,
+    };
+    let text = format!(
+        "`{key}` is uniform, and no solution in a rotating frame, where centrifugal and Coriolis forces accelerate it: formulas, \
+         `{remedy} = {{ expression = ... }}`; gas at rest outside has the velocity [\"rate*y\", \"-rate*x\"] about the z axis"
+    );
+    warning("rotating frame", text)
 }
 
 /// The preconditioner by lines neglects neighbours.
