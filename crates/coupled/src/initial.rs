@@ -1,7 +1,7 @@
 //! The state at the start of a run.
 //!
 //! ```text
-//! u = u_0 + sum_f g_f (1 - s_f)^(N - 1),   g_f = ( u_0(x_f + e) - u_0(x_f - e) ) / 2                              (initial)
+//! u = u_0 + sum_f g_f (1 - s_f)^(N_s - 1),   g_f = ( u_0(x_f + e) - u_0(x_f - e) ) / 2                            (initial)
 //! ```
 //!
 //! The sum is over the faces f of a cell at which u_0 jumps between this cell and the next. x_f is the point of the face on the same line
@@ -32,13 +32,13 @@ pub fn interpolate<const D: usize, const M: usize>(
     let (layout, orders) = (operator.layout.at_one_time(), operator.tables.orders);
     let nodes = basis::gauss_lobatto(orders.flow).points;
     let sampler = fem::Sampler::<D>::new(orders.flow, orders.mesh, &nodes);
-    let row = operator.tables.bottom_row();
+    let (n, row) = (layout.nodes, operator.tables.bottom_row());
     let mut position = vec![0.0; operator.mesh.slot_len()];
     let mut u = vec![0.0; layout.len()];
     for cell in 0..layout.cells {
         operator.mesh.positions(cell, row.row(0), &mut position);
         let x = sampler.positions(&position);
-        let at = |i: usize| from_fn(|d| x[d * layout.nodes + i]);
+        let at = |i: usize| from_fn(|d| x[d * n + i]);
         let given = |x: &[f64; D]| field.value(x, t);
         let faces = (0..2 * D).filter(|face| operator.has_neighbour(cell, *face)).collect::<Vec<_>>();
         let states = CellStart { nodes: &nodes, at: &at, given: &given }.states(&faces);

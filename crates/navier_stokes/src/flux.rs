@@ -111,8 +111,10 @@ pub(crate) struct Stresses<T, const D: usize> {
     pub(crate) velocity: [T; D],
     /// tau_ij, symmetric
     pub(crate) tau: [[T; D]; D],
-    /// mu w_j,i, `[i][j]`.
-    shear: [[T; D]; D],
+    /// mu
+    viscosity: T,
+    /// w_j,i, `[i][j]`.
+    w_grad: [[T; D]; D],
     /// kappa T_,i: the heat flux against direction i
     pub(crate) heat: [T; D],
 }
@@ -160,7 +162,7 @@ impl<T: Real, const D: usize> Stresses<T, D> {
         // T = e / c_v with c_v = R / (gamma - 1), and kappa / c_v = mu gamma / Pr.
         let mu = gas.dynamic_viscosity(internal * ((gas.gamma() - 1.0) / gas.gas_constant()));
         let heat = scaled(&e_grad, mu * (gas.gamma() / gas.prandtl()));
-        Stresses { velocity, tau: stress(mu, &w_grad), shear: each_scaled(&w_grad, mu), heat }
+        Stresses { velocity, tau: stress(mu, &w_grad), viscosity: mu, w_grad, heat }
     }
 
     /// Of (F_a) with the viscosity `beta`.
@@ -177,7 +179,7 @@ impl<T: Real, const D: usize> Stresses<T, D> {
             tau[i][i] = pressure;
         }
         let heat = scaled(&e_grad, beta * (gas.gamma() / ARTIFICIAL_PRANDTL));
-        Stresses { velocity, tau, shear: each_scaled(&w_grad, beta), heat }
+        Stresses { velocity, tau, viscosity: beta, w_grad, heat }
     }
 
     /// [0 ; tau_ij ; tau_ij w_j + kappa T_,i], indexed `[direction][component]`.
@@ -220,13 +222,13 @@ impl<T: Real, const D: usize> Stresses<T, D> {
     where
         T: Over<G>,
     {
-        let mut divergence = self.shear[0][0];
+        let mut divergence = self.w_grad[0][0];
         for k in 1..D {
-            divergence += self.shear[k][k];
+            divergence += self.w_grad[k][k];
         }
         let mut traction = self.velocity;
         for i in 0..D {
-            traction[i] = along(&self.shear[i], n) - divergence.scale(n[i]);
+            traction[i] = self.viscosity * (along(&self.w_grad[i], n) - divergence.scale(n[i]));
         }
         let work = dot(&traction, &self.velocity);
         components(work.zero(), &traction, work)
@@ -249,15 +251,6 @@ impl<T: Real, const D: usize> Stresses<T, D> {
 /// (tau) in the state `state` with the velocity gradient `w_grad[i][j]` = w_j,i, `[i][j]`.
 pub fn viscous_stress<const D: usize>(gas: &Gas, state: &Primitive<f64, D>, w_grad: &[[f64; D]; D]) -> [[f64; D]; D] {
     stress(gas.dynamic_viscosity(gas.temperature(state.density, state.pressure)), w_grad)
-}
-
-#[inline(always)]
-fn each_scaled<T: Real, const D: usize>(matrix: &[[T; D]; D], factor: T) -> [[T; D]; D] {
-    let mut product = *matrix;
-    for i in 0..D {
-        product[i] = scaled(&matrix[i], factor);
-    }
-    product
 }
 
 /// (tau), with `w_grad[i][j]` = w_j,i.

@@ -28,8 +28,9 @@ fn the_balance_of_energy_begins_anew_with_other_bodies() {
 }
 
 /// A short elastic piston whose support moves.
-const PISTON: [&str; 6] = [
+const PISTON: [&str; 7] = [
     "mesh.order=2",
+    "mesh.generate.box.cells=[6,1]",
     "mesh.generate.box.segments={x=[{end=0,cells=3},{end=1.2,cells=3}]}",
     "flow.order=3",
     "structure.initial={}",

@@ -133,31 +133,6 @@ fn a_force_has_a_value_over_the_whole_run() {
     );
 }
 
-/// The search ended with a mesh that folds.
-#[test]
-fn something_holds_bodies_that_start_in_equilibrium() {
-    let free: &[&str] =
-        &["bodies.right.x", "nothing holds this coordinate", "`spring`, `cubic_spring` or `stops`", "`motion = 0`"];
-    let turning: &[&str] = &["bodies.right.rotation", "nothing holds this coordinate"];
-    let weight = "bodies.right.force=[0,-1]";
-    assert_refused(
-        PISTON,
-        &[(&[EQUILIBRIUM, "bodies.right.x={}"], free), (&[EQUILIBRIUM, weight, "bodies.right.rotation={}"], turning)],
-    );
-    assert_accepted(
-        PISTON,
-        &[
-            &["bodies.right.x={}"],
-            &["bodies.right.x={}", "solver.steady.bodies=\"held\""],
-            &[EQUILIBRIUM, "bodies.right.x={spring=1}", "bodies.right.y={cubic_spring=1}"],
-            &[EQUILIBRIUM, "bodies.right.x={stops={lower=-0.1,upper=0.1,stiffness=1}}"],
-            &[EQUILIBRIUM, "bodies.right.x={motion=0}"],
-            &[EQUILIBRIUM, weight, "bodies.right.centre_of_mass=[0,-1]", "bodies.right.rotation={}"],
-            &[EQUILIBRIUM, "bodies.right.x={}", "restart.from=\"before\""],
-        ],
-    );
-}
-
 /// The run starts at rest.
 #[test]
 fn rates_have_no_effect_on_a_start_in_equilibrium() {
