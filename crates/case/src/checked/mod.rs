@@ -238,7 +238,7 @@ impl<const D: usize> Case<D> {
         document: &Document,
         raw: &raw::Case,
         Whole { time, mesh, flow, structure, output }: Whole<D>,
-        WholeDependent { observed, averages, bodies, motion }: WholeDependent<D>,
+        WholeDependent { observed, averages, bodies, motion, .. }: WholeDependent<D>,
         stages: usize,
     ) -> Self {
         let of_boundaries = flow.iter().flat_map(Flow::controls);

@@ -67,6 +67,7 @@ pub(super) struct Dependent<const D: usize> {
     pub(super) observed: Option<Observed<D>>,
     pub(super) averages: Option<Option<Averages>>,
     pub(super) bodies: Option<Vec<RigidBody<D>>>,
+    movers: Option<movers::Movers>,
     pub(super) motion: Option<Option<Motion<D>>>,
 }
 
@@ -77,7 +78,7 @@ impl<const D: usize> Dependent<D> {
         independent: &Independent<D>,
         errors: &mut Errors,
     ) -> Self {
-        let mut found = Dependent { observed: None, averages: None, bodies: None, motion: None };
+        let mut found = Dependent { observed: None, averages: None, bodies: None, movers: None, motion: None };
         let Some(mesh) = &independent.mesh else { return found };
         let flow = raw.flow.as_ref();
         errors.note(surfaces::check(checker, &raw.output, flow, mesh.boundary_names()));
@@ -87,9 +88,10 @@ impl<const D: usize> Dependent<D> {
             found.averages = errors.note(averages);
             found.bodies = Self::bodies(checker, raw, mesh, independent, time, errors);
         }
-        found.motion = match found.movers(checker, independent, errors) {
-            Some((movers, time)) => errors.note(motion::check(checker, raw.motion.as_ref(), mesh, &movers, time)),
-            None => {
+        found.movers = found.movers(checker, independent, errors);
+        found.motion = match (&found.movers, &independent.time) {
+            (Some(movers), Some(time)) => errors.note(motion::check(checker, raw.motion.as_ref(), mesh, movers, time)),
+            _ => {
                 errors.note(motion::check_alone(checker, raw.motion.as_ref(), mesh));
                 None
             }
@@ -109,25 +111,26 @@ impl<const D: usize> Dependent<D> {
         errors.note(bodies::check(checker, &raw.bodies, mesh, (raw.flow.is_some(), flow), time))
     }
 
-    /// What moves walls, and the time; None if one of the sections that tell it has an error.
-    fn movers<'a>(
+    /// What moves walls; None if one of the sections that tell it has an error.
+    fn movers(
         &self,
         checker: &Checker<'_>,
-        independent: &'a Independent<D>,
+        independent: &Independent<D>,
         errors: &mut Errors,
-    ) -> Option<(movers::Movers, &'a Time)> {
-        let Independent { time, mesh, flow, structure, .. } = independent;
-        let (time, bodies, structure) = (time.as_ref()?, self.bodies.as_ref()?, structure.as_ref()?);
+    ) -> Option<movers::Movers> {
+        let Independent { mesh, flow, structure, .. } = independent;
+        let (bodies, structure) = (self.bodies.as_ref()?, structure.as_ref()?);
         // Only a structure needs the flow.
         let flow = if structure.is_some() { flow.as_ref()?.as_ref() } else { None };
         let movers = movers::Movers::new(checker, bodies, structure.as_ref(), flow, mesh.as_ref()?);
-        Some((errors.note(movers)?, time))
+        errors.note(movers)
     }
 
     /// All sections, if all are correct.
     pub(super) fn whole(self) -> Option<WholeDependent<D>> {
-        let Dependent { observed, averages, bodies, motion } = self;
-        Some(WholeDependent { observed: observed?, averages: averages?, bodies: bodies?, motion: motion? })
+        let Dependent { observed, averages, bodies, movers, motion } = self;
+        let (observed, averages) = (observed?, averages?);
+        Some(WholeDependent { observed, averages, bodies: bodies?, movers: movers?, motion: motion? })
     }
 }
 
@@ -136,6 +139,7 @@ pub(super) struct WholeDependent<const D: usize> {
     pub(super) observed: Observed<D>,
     pub(super) averages: Option<Averages>,
     pub(super) bodies: Vec<RigidBody<D>>,
+    movers: movers::Movers,
     pub(super) motion: Option<Motion<D>>,
 }
 
@@ -169,14 +173,13 @@ pub(super) fn check_together<const D: usize>(
     checker: &Checker<'_>,
     raw: &raw::Case,
     Whole { time, mesh, flow, structure, .. }: &Whole<D>,
-    WholeDependent { bodies, motion, .. }: &WholeDependent<D>,
+    WholeDependent { bodies, movers, motion, .. }: &WholeDependent<D>,
 ) -> Checked<()> {
     let (flow, motion) = (flow.as_ref(), motion.as_ref());
     equilibrium::check(checker, raw, bodies, structure.as_ref())?;
     held_nodes::check(checker, structure.as_ref(), motion, mesh, time)?;
     sliding_mesh::check_walls(checker, mesh, motion, flow)?;
     let (Some(raw), Some(flow)) = (&raw.flow, flow) else { return Ok(()) };
-    let movers = movers::Movers::new(checker, bodies, structure.as_ref(), Some(flow), mesh)?;
     let (moved, numbering) = (&movers.moved(mesh), OnceCell::new());
     over_run::OverRun { checker, flow, mesh, motion, moved, time, numbering }.check(raw)
 }
