@@ -12,7 +12,7 @@
 //! ```
 
 use crate::mass::Mass;
-use basis::{Lagrange, Matrix, Rule, gauss};
+use basis::{Lagrange, Matrix, gauss};
 use fem::NodalBatches;
 use mesh::{BoundaryFacet, CellMap, Mesh, NodeNumbering, axis_and_side, outward_sign};
 use tensor::{Real, cofactor, norm};
@@ -77,7 +77,7 @@ impl<const D: usize> Surface<D> {
     /// The boundary of `mesh` with the nodes of `numbering`.
     pub(crate) fn new(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Self {
         let rule = gauss(quadrature_points(D, numbering.order(), mesh.order()));
-        let maps: Vec<CellMap<D>> = (0..2 * D).map(|face| face_map(mesh.order(), face, &rule)).collect();
+        let maps: Vec<CellMap<D>> = (0..2 * D).map(|face| CellMap::on_face(mesh.order(), face, &rule.points)).collect();
         let weights = tensor_power(&Matrix::new(1, rule.weights.len(), rule.weights.clone()), D - 1);
         let facet = |facet: &BoundaryFacet| {
             let (face, nodes) = (facet.side.face, mesh.cell_coordinates(facet.side.cell));
@@ -180,13 +180,6 @@ impl<const D: usize> Loads<D> {
             surface.add(*boundary, |point| q(point, t), out);
         }
     }
-}
-
-/// The map to the points of `rule` on a face.
-fn face_map<const D: usize>(order: usize, face: usize, rule: &Rule) -> CellMap<D> {
-    let (axis, _) = axis_and_side(face);
-    let end = [outward_sign(face)];
-    CellMap::new(order, std::array::from_fn(|a| if a == axis { &end[..] } else { &rule.points[..] }))
 }
 
 /// The points of a face of the cell with the nodes `nodes`, axis 0 fastest, each with w ds.

@@ -4,6 +4,7 @@ use crate::facet::tangent_sign;
 use crate::{CellMap, Mesh, NodeNumbering, Side, outward_area};
 use basis::{Lagrange, gauss, gauss_lobatto};
 use std::array::from_fn;
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use tensor::norm;
 
@@ -19,6 +20,14 @@ struct Arc {
     end: [f64; 2],
     /// z of the lowest row.
     height: f64,
+}
+
+impl Arc {
+    /// Where its lowest row begins and ends, with the nodes.
+    fn ends(&self) -> [([f64; 2], usize); 2] {
+        let row = &self.rows[0];
+        [(self.start, row[0]), (self.end, row[row.len() - 1])]
+    }
 }
 
 impl<const D: usize> Mesh<D> {
@@ -97,7 +106,7 @@ fn place(x: [f64; 2]) -> [u64; 2] {
 
 /// The fractions along the nodes of arcs that form one closed curve, by the places where the arcs begin.
 fn follow(arcs: Vec<&Arc>) -> Option<BTreeMap<[u64; 2], Vec<f64>>> {
-    let first = first_node(&arcs)?;
+    let first = first_node(arcs.iter().flat_map(|arc| arc.ends()))?;
     let mut by_node: BTreeMap<usize, &Arc> = BTreeMap::new();
     for arc in arcs {
         // Two facets that begin in one node do not form a curve.
@@ -119,15 +128,15 @@ fn follow(arcs: Vec<&Arc>) -> Option<BTreeMap<[u64; 2], Vec<f64>>> {
     by_node.is_empty().then_some(fractions)
 }
 
-/// The node with the largest x, then the smallest y, among the ends of `arcs` in the plane.
-fn first_node(arcs: &[&Arc]) -> Option<usize> {
-    let ends = |arc: &&Arc| {
-        let row = &arc.rows[0];
-        [(arc.start, row[0]), (arc.end, row[row.len() - 1])]
-    };
-    let key = |([x, y], _): &([f64; 2], usize)| (-x, *y);
-    let before = |a: &_, b: &_| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal);
-    arcs.iter().flat_map(ends).min_by(before).map(|(_, node)| node)
+/// The node at which a closed curve in the plane begins: the first by [`curve_order`] among the `ends` of its arcs, positions with their nodes. A
+/// node of a periodic wall has two positions.
+pub fn first_node(ends: impl Iterator<Item = ([f64; 2], usize)>) -> Option<usize> {
+    ends.min_by(|(a, _), (b, _)| curve_order(a, b)).map(|(_, node)| node)
+}
+
+/// The order of positions in which curves begin: the largest x first, then the smallest y.
+pub fn curve_order(a: &[f64; 2], b: &[f64; 2]) -> Ordering {
+    (-a[0], a[1]).partial_cmp(&(-b[0], b[1])).unwrap_or(Ordering::Equal)
 }
 
 /// int_{-1}^{xi_k} |dx/dxi| dxi at the Gauss-Lobatto nodes xi_k of order `n`, for the curve through the nodes `positions`.

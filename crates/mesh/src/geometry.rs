@@ -1,5 +1,6 @@
 //! The map x(xi) of a cell and its Jacobian, in plain numbers: for set-up and for checks.
 
+use crate::facet::{axis_and_side, outward_sign};
 use crate::lattice::{Lattice, digit};
 use crate::mesh::point;
 use crate::{Mesh, MeshError};
@@ -33,6 +34,12 @@ impl<const D: usize> CellMap<D> {
     /// The map to the grid with the same points along every axis.
     pub fn on_grid(order: usize, points: &[f64]) -> Self {
         Self::new(order, [points; D])
+    }
+
+    /// The map to the grid on `face` with the same points along every axis of the face.
+    pub fn on_face(order: usize, face: usize, points: &[f64]) -> Self {
+        let ((axis, _), end) = (axis_and_side(face), [outward_sign(face)]);
+        Self::new(order, from_fn(|along| if along == axis { &end[..] } else { points }))
     }
 
     /// The map to one point.

@@ -14,7 +14,7 @@ use super::history::openings;
 use case::{Case, Flow};
 use coupled::MeshMover;
 use fem::functions_at;
-use mesh::{BoundaryFacet, CellMap, axis_and_side, outward_area};
+use mesh::{BoundaryFacet, CellMap, axis_and_side, outward_area, outward_sign};
 use navier_stokes::{Boundary, Gas, Primitive};
 use report::fields::total_state;
 use tensor::{dot, norm};
@@ -78,15 +78,16 @@ impl<const D: usize> FacePoints<D> {
 
     /// The points of `rule` on `face`, for a flow and a mesh of the given orders.
     pub fn with_rule(face: usize, [flow_order, mesh_order]: [usize; 2], rule: &basis::Rule) -> Self {
-        let ((axis, side), n) = (axis_and_side(face), rule.points.len());
-        let end = [if side == 0 { -1.0 } else { 1.0 }];
+        let ((axis, _), n) = (axis_and_side(face), rule.points.len());
         let point = |index: usize| -> [f64; D] {
             let along = |d: usize| rule.points[index / n.pow(d as u32) % n];
-            std::array::from_fn(|d| if d == axis { end[0] } else { along(if d > axis { d - 1 } else { d }) })
+            std::array::from_fn(
+                |d| if d == axis { outward_sign(face) } else { along(if d > axis { d - 1 } else { d }) },
+            )
         };
         let points: Vec<[f64; D]> = (0..n.pow(D as u32 - 1)).map(point).collect();
         FacePoints {
-            map: CellMap::new(mesh_order, std::array::from_fn(|d| if d == axis { &end[..] } else { &rule.points })),
+            map: CellMap::on_face(mesh_order, face, &rule.points),
             functions: points.iter().map(|xi| [flow_order, mesh_order].map(|order| functions_at(order, xi))).collect(),
             slopes: points.iter().map(|xi| slopes_at(flow_order, xi)).collect(),
             weights: rule.tensor_weights(D - 1),

@@ -3,7 +3,7 @@
 use super::boundary_data::{BoundaryData, Data};
 use super::controls::Control;
 use super::given_values;
-use super::mesh_crate::{BoundaryFacet, CellMap, Mesh, axis_and_side, face_nodes, outward_area};
+use super::mesh_crate::{BoundaryFacet, CellMap, Mesh, face_nodes, outward_area};
 use super::slide;
 use super::states::{self, Typical};
 use super::time::Time;
@@ -117,12 +117,7 @@ fn mean<const D: usize>(mesh: &Mesh<D>, boundary: usize, value: impl Fn(&[f64; D
     let weights = rule.tensor_weights(D - 1);
     let (mut integral, mut whole) = (0.0, 0.0);
     for BoundaryFacet { side, .. } in mesh.boundary_facets().iter().filter(|facet| facet.boundary == boundary) {
-        let (axis, high) = axis_and_side(side.face);
-        let end = [if high == 0 { -1.0 } else { 1.0 }];
-        let map = CellMap::<D>::new(
-            mesh.order(),
-            std::array::from_fn(|along| if along == axis { &end[..] } else { &rule.points }),
-        );
+        let map = CellMap::<D>::on_face(mesh.order(), side.face, &rule.points);
         let nodes = mesh.cell_coordinates(side.cell);
         for ((x, jacobian), weight) in map.positions(nodes).iter().zip(map.jacobians(nodes)).zip(&weights) {
             let area = weight * norm(&outward_area(&jacobian, side.face));

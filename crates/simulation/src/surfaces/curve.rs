@@ -1,8 +1,7 @@
 //! The facets of a wall in the plane as curves: one after the other, with the domain on their right.
 
 use basis::{Lagrange, Rule, gauss};
-use mesh::{BoundaryFacet, Mesh, NodeNumbering, tangent_sign};
-use std::cmp::Ordering;
+use mesh::{BoundaryFacet, Mesh, NodeNumbering, curve_order, first_node, tangent_sign};
 
 /// A facet, as a part of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,7 +82,7 @@ fn curves<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering, facets: &[B
 /// The curves of `arcs`, in which an arc follows the one at whose end it begins.
 fn chained(mut arcs: Vec<Arc>) -> Vec<Curve> {
     // From now on the order does not depend on that of the mesh.
-    arcs.sort_by(|a, b| before(&a.positions[0], &b.positions[0]));
+    arcs.sort_by(|a, b| curve_order(&a.positions[0], &b.positions[0]));
     let mut curves = Vec::new();
     while !arcs.is_empty() {
         let is_open = |arc: &Arc| arcs.iter().all(|other| other.ends[1] != arc.ends[0]);
@@ -98,16 +97,10 @@ fn chained(mut arcs: Vec<Arc>) -> Vec<Curve> {
     curves
 }
 
-/// The arc that begins at the node with the largest x, then the smallest y. A node of a periodic wall has two positions.
+/// The arc at which a closed curve begins.
 fn first_of_closed(arcs: &[Arc]) -> Option<usize> {
-    let ends = arcs.iter().flat_map(|arc| arc.positions.into_iter().zip(arc.ends));
-    let (_, first) = ends.min_by(|(a, _), (b, _)| before(a, b))?;
+    let first = first_node(arcs.iter().flat_map(|arc| arc.positions.into_iter().zip(arc.ends)))?;
     arcs.iter().position(|arc| arc.ends[0] == first).or(Some(0))
-}
-
-/// The order of positions: the largest x first, then the smallest y.
-fn before(a: &[f64; 2], b: &[f64; 2]) -> Ordering {
-    (-a[0], a[1]).partial_cmp(&(-b[0], b[1])).unwrap_or(Ordering::Equal)
 }
 
 /// The integrals of the polynomials of the points of `rule` from -1 to each of them, `[point][polynomial]`: they turn the speed along a
