@@ -103,15 +103,19 @@ impl<const D: usize, const M: usize> CellStart<'_, D, M> {
     /// g_f at a node of a face normal to `axis`, if u_0 jumps there.
     fn half_jump(&self, node: usize, axis: usize) -> Option<[f64; M]> {
         let x = (self.at)(node);
-        let [near, far] = [ASIDE / CLOSER, ASIDE].map(|size| {
+        let beside = |size: f64| {
             let e = self.inward(node, axis, size);
             [1.0, -1.0].map(|sign| (self.given)(&moved(&x, &e, sign)))
-        });
-        let jumps = |m: usize| {
-            let [[a, b], [c, d]] = [near, far].map(|[inside, outside]| [inside[m], outside[m]]);
-            (a - b).abs() > LEAST * (a.abs() + b.abs()) && (a - b).abs() > 0.5 * (c - d).abs()
         };
-        let [inside, outside] = far;
+        let change = |[a, b]: &[[f64; M]; 2], m: usize| (a[m] - b[m]).abs();
+        let changes = |pair: &[[f64; M]; 2], m: usize| change(pair, m) > LEAST * (pair[0][m].abs() + pair[1][m].abs());
+        let far = beside(ASIDE);
+        // Nearly all states are smooth: then two values are enough.
+        if !(0..M).any(|m| changes(&far, m)) {
+            return None;
+        }
+        let (near, [inside, outside]) = (beside(ASIDE / CLOSER), far);
+        let jumps = |m: usize| changes(&near, m) && change(&near, m) > 0.5 * change(&far, m);
         (0..M).any(jumps).then(|| from_fn(|m| 0.5 * (outside[m] - inside[m])))
     }
 
