@@ -3,9 +3,9 @@
 use crate::mesh_mover::MeshMover;
 use crate::state::Interval;
 use basis::gauss;
+use fem::parallel::{self, Grain};
 use mesh::CellMap;
 use newton_krylov::inner_product::smallest;
-use rayon::prelude::*;
 
 impl<const D: usize> MeshMover<D> {
     /// The first time in a slab at which det J <= 0 at a sample point, to a thousandth of the slab. The points are 2N Gauss points per
@@ -36,7 +36,7 @@ impl<const D: usize> MeshMover<D> {
             }
             smallest(map.determinants(&x))
         };
-        let of_cells: Vec<f64> = (0..self.reference.n_cells()).into_par_iter().map(in_cell).collect();
+        let of_cells: Vec<f64> = parallel::map(self.reference.n_cells(), Grain::Any, &in_cell);
         smallest(of_cells)
     }
 }

@@ -14,8 +14,8 @@ use crate::state::{Past, State};
 use basis::{Matrix, RadauTime, gauss, gauss_lobatto};
 use faer::Mat;
 use faer::linalg::solvers::Solve;
+use fem::parallel::{self, Grain};
 use fem::{Layout, Orders, Sampler};
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// The flow `u` of the `cells` of a mesh at one time, of order `from` in space, as one of order `to`. The mesh is that of `mover` displaced by
@@ -40,8 +40,9 @@ fn carried<const D: usize>(
     (mover, d): (&MeshMover<D>, &[f64]),
     (cells, u): (&[usize], &[f64]),
 ) -> Vec<f64> {
-    let of_cells = cells.par_iter().zip(u.par_chunks_exact(u.len() / cells.len()));
-    of_cells.flat_map_iter(|(&cell, u)| space.carry(u, || mover.cell_positions(cell, d))).collect()
+    let len = u.len() / cells.len().max(1);
+    let of_cell = |k: usize| space.carry(&u[k * len..][..len], || mover.cell_positions(cells[k], d));
+    parallel::map(cells.len(), Grain::Any, &of_cell).concat()
 }
 
 impl State {

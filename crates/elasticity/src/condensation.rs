@@ -100,6 +100,7 @@ pub(crate) struct Condensation<const D: usize> {
 }
 
 /// A solve with several right-hand sides, half done.
+#[derive(Default)]
 pub(crate) struct Eliminated {
     sweep: SweepWork,
     /// The result of a sweep, `[right-hand side][C0 node][component]`.

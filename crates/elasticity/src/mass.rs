@@ -11,8 +11,8 @@
 use crate::pool::Pool;
 use basis::{AllAxes, Lagrange, Matrix, apply_all_axes, gauss, scratch_length};
 use fem::NodalBatches;
+use fem::parallel::{self, Grain};
 use mesh::{CellMap, Mesh};
-use rayon::prelude::*;
 use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, WIDTH, zeroed};
@@ -104,7 +104,7 @@ impl<const D: usize> Mass<D> {
         out: &mut [f64],
     ) {
         let mut results = self.results.take(|| zeroed(batches.field_length()));
-        results.par_chunks_mut(batches.cell_length()).enumerate().for_each(|(batch, result)| {
+        parallel::for_each_chunk(&mut results, batches.cell_length(), Grain::Any, &|batch, result| {
             let mut scratch = self.scratch.take(|| self.new_scratch());
             values_of_batch(batch, &mut scratch);
             let weights = &self.weights[batch * self.points()..][..self.points()];
@@ -134,7 +134,7 @@ impl<const D: usize> Mass<D> {
 /// W = w det J, `[batch][point]`.
 fn weights<const D: usize>(mesh: &Mesh<D>, batches: &NodalBatches<D>, map: &CellMap<D>, rule: &[f64]) -> Vec<Pack> {
     let mut weights = zeroed(batches.count() * rule.len());
-    weights.par_chunks_mut(rule.len()).enumerate().for_each(|(batch, weights)| {
+    parallel::for_each_chunk(&mut weights, rule.len(), Grain::Any, &|batch, weights| {
         for lane in 0..WIDTH {
             let determinants = map.determinants(mesh.cell_coordinates(batches.cell(batch, lane)));
             for ((entry, w), det) in weights.iter_mut().zip(rule).zip(determinants) {

@@ -12,8 +12,8 @@
 use crate::shifted::Shifted;
 use crate::{ElasticityError, Structure};
 use faer::{Mat, Side};
+use fem::parallel::{self, Grain};
 use newton_krylov::inner_product::{Euclidean, InnerProduct, reduce};
-use rayon::prelude::*;
 
 /// Vectors of the block beyond the requested modes.
 const GUARD: usize = 8;
@@ -97,7 +97,7 @@ impl Block {
             structure.at_fixed(&mut inertia, |_| 0.0);
             shifted.solve(structure, &inertia, &mut y, SOLVE_TOLERANCE).map(|_| y)
         };
-        let solved: Vec<Result<Vec<f64>, _>> = self.x.par_iter().map(solve).collect();
+        let solved = parallel::map(self.x.len(), Grain::Any, &|k| solve(&self.x[k]));
         let x = solved.into_iter().collect::<Result<Vec<_>, _>>()?;
         Self::ritz(structure, x)
     }

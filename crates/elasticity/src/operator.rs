@@ -25,6 +25,7 @@ use crate::pool::Pool;
 use crate::{ElasticityError, Inversion};
 use basis::{Lagrange, Matrix};
 use fem::NodalBatches;
+use fem::parallel;
 use kernel::{CellMatrices, Cells, Forces, Mode, Scratch, Tangent};
 use rayon::prelude::*;
 use std::marker::PhantomData;
@@ -61,6 +62,21 @@ struct Workspace {
     /// The scratch of each task.
     scratch: Vec<Scratch>,
     batches_per_task: usize,
+}
+
+/// The work of a task: its first batch, results, smallest J and scratch.
+type Task<'a> = dyn Fn(usize, &mut [Pack], &mut [Pack], &mut Scratch) + Sync + 'a;
+
+impl Workspace {
+    /// Does `work` in every task, in parallel. `cell_length` is that of the results of a batch.
+    fn for_each_task(&mut self, cell_length: usize, work: &Task) {
+        let in_task = self.batches_per_task;
+        let results = self.results.par_chunks_mut(in_task * cell_length);
+        let tasks = results.zip(self.smallest.par_chunks_mut(in_task)).zip(&mut self.scratch);
+        tasks.enumerate().for_each(|(task, ((results, smallest), scratch))| {
+            work(task * in_task, results, smallest, scratch);
+        });
+    }
 }
 
 impl LineTables {
@@ -178,15 +194,12 @@ impl<const D: usize> Operator<D> {
     /// Applies `law` to the cells, in parallel tasks, and sums the results.
     fn apply<M: Mode, L: PointLaw>(&self, law: L, fields: &[&[f64]], out: &mut [f64]) -> Result<(), Inversion> {
         let mut workspace = self.workspaces.take(|| self.workspace());
-        let Workspace { results, smallest, scratch, batches_per_task } = &mut workspace;
-        let results_of = results.par_chunks_mut(*batches_per_task * self.batches.cell_length());
-        let tasks = results_of.zip(smallest.par_chunks_mut(*batches_per_task)).zip(scratch.par_iter_mut());
-        tasks.enumerate().for_each(|(task, ((results, smallest), scratch))| {
-            let (first, mode) = (task * *batches_per_task, PhantomData::<M>);
+        workspace.for_each_task(self.batches.cell_length(), &|first, results, smallest, scratch| {
+            let mode = PhantomData::<M>;
             Arch::new().dispatch(Cells { operator: self, law, mode, first, fields, results, smallest, scratch });
         });
-        self.batches.assemble(results, out);
-        let checked = if L::HAS_BARRIER { self.check_inversion(smallest) } else { Ok(()) };
+        self.batches.assemble(&workspace.results, out);
+        let checked = if L::HAS_BARRIER { self.check_inversion(&workspace.smallest) } else { Ok(()) };
         self.workspaces.give(workspace);
         checked
     }
@@ -229,7 +242,7 @@ fn metric<const D: usize>(
     let weights = sampler.rule().tensor_weights(D);
     let length = weights.len() * (1 + D * D);
     let mut metric = zeroed(batches.count() * length);
-    let fill = |(batch, metric): (usize, &mut [Pack])| -> Result<(), ElasticityError> {
+    let fill = |batch: usize, metric: &mut [Pack]| -> Result<(), ElasticityError> {
         for lane in 0..WIDTH {
             let samples = sampler.cell(batches.cell(batch, lane))?;
             for ((weight, sample), entry) in weights.iter().zip(&samples).zip(metric.chunks_exact_mut(1 + D * D)) {
@@ -242,7 +255,7 @@ fn metric<const D: usize>(
         Ok(())
     };
     // All batches first, then the first error: the same one for any number of threads.
-    let filled: Vec<Result<(), _>> = metric.par_chunks_mut(length).enumerate().map(fill).collect();
+    let filled = parallel::map_chunks(&mut metric, length, &fill);
     filled.into_iter().collect::<Result<(), _>>()?;
     Ok(metric)
 }

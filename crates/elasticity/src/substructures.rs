@@ -35,9 +35,9 @@ use crate::condensation::{Condensation, Eliminated};
 use bddc::Bddc;
 use block::Block;
 use exchange::Exchange;
+use fem::parallel::{self, Grain};
 use interface::Interface;
 use mesh::NodeNumbering;
-use rayon::prelude::*;
 use std::sync::Arc;
 use tensor::Pack;
 use top::Top;
@@ -64,7 +64,8 @@ impl<const D: usize> Cuts<D> {
         let blocks = partition.cells_of_blocks(numbering.n_cells());
         let interface = Interface::new(&blocks, numbering, constrained, coordinates);
         let block = |number: usize| Block::new(number, &blocks[number], numbering, constrained, centres, &interface);
-        let own = partition.sums.own().into_par_iter().map(block).collect();
+        let numbers = partition.sums.own();
+        let own = parallel::map(numbers.len(), Grain::Any, &|k| block(numbers.start + k));
         let interior = |cells: &Vec<usize>| {
             let nodes = numbering.of_cells(cells).1;
             nodes.into_iter().filter(|&node| interface.place(node).is_none()).collect()
@@ -108,7 +109,8 @@ impl<const D: usize> Substructures<D> {
         is_direct: bool,
         matrices: impl Fn(usize) -> Vec<Pack> + Sync,
     ) -> Result<Self, ElasticityError> {
-        let made = cuts.own.par_iter().map(|block| block.factor(&matrices)).collect::<Result<Vec<_>, _>>();
+        let made = parallel::map(cuts.own.len(), Grain::Any, &|k| cuts.own[k].factor(&matrices));
+        let made = made.into_iter().collect::<Result<Vec<_>, _>>();
         let (factors, complements): (Vec<_>, Vec<_>) = cuts.exchange.agree(made)?.into_iter().unzip();
         let coupling = if is_direct {
             Coupling::Direct(Top::new(&cuts.interface, &cuts.exchange, &complements)?)
@@ -146,8 +148,8 @@ impl<const D: usize> Substructures<D> {
 
     fn solve_one(&self, x: &mut [f64]) {
         let Cuts { interface, own, exchange, interiors } = &*self.cuts;
-        let of_own = || own.par_iter().zip(&self.factors);
-        let eliminated: Vec<Eliminated> = of_own().map(|(block, factor)| block.eliminate(factor, x)).collect();
+        let eliminate = |k: usize| own[k].eliminate(&self.factors[k], x);
+        let mut eliminated = parallel::map(own.len(), Grain::Any, &eliminate);
         let left = own.iter().zip(&eliminated).map(|(block, eliminated)| block.at_interface(eliminated)).collect();
         let mut u = interface.take(x);
         for (block, part) in exchange.gather(left, |block| interface.of_block[block].len() * D).iter().enumerate() {
@@ -157,10 +159,10 @@ impl<const D: usize> Substructures<D> {
             Coupling::Direct(top) => top.solve(&mut u),
             Coupling::Bddc(bddc) => bddc.apply(interface, exchange, &mut u),
         }
-        let substitute = |((block, factor), eliminated): ((&Block<D>, &Condensation<D>), Eliminated)| {
-            block.substitute(factor, eliminated, &u)
+        let substitute = |k: usize, eliminated: &mut [Eliminated]| {
+            own[k].substitute(&self.factors[k], std::mem::take(&mut eliminated[0]), &u)
         };
-        let inside = of_own().zip(eliminated).map(substitute).collect();
+        let inside = parallel::map_chunks(&mut eliminated, 1, &substitute);
         let inside = exchange.gather(inside, |block| interiors[block].len() * D);
         for (nodes, inside) in interiors.iter().zip(&inside) {
             put::<D>(nodes, inside, x);

@@ -16,6 +16,7 @@
 //! | `scratch`, `gather` | their packs, and the copies from and to vectors |
 //! | `kernels` | the kernels of a law behind one object |
 //! | `traces`, `batches`, `moving_mesh` | cells, facets and the mesh in packs |
+//! | `parallel` | loops in parallel |
 //! | `nodal_batches` | C0 fields in packs of cells, and their sum in a fixed order |
 //! | `share` | the cells of a rank, and what ranks exchange |
 //! | `operator` | the residual of a slab and its derivatives |
@@ -76,6 +77,7 @@ mod moving_mesh;
 mod nodal_batches;
 mod nodal_geometry;
 mod operator;
+pub mod parallel;
 mod per_thread;
 mod point;
 mod prescribed;

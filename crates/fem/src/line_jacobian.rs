@@ -12,10 +12,10 @@
 use crate::batches::FacetBatch;
 use crate::linearisation::FrozenPoint;
 use crate::operator::SlabOperator;
+use crate::parallel::{self, Grain};
 use crate::scratch::{CellScratch, FacetScratch};
 use crate::space_jacobian::TraceSpace;
 use crate::traces::FaceMaps;
-use rayon::prelude::*;
 use tensor::{Pack, WIDTH};
 
 /// (lines) of all cells at one time.
@@ -60,18 +60,18 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let mut operators = vec![0.0; cells * D * block * block];
         let mut masses = vec![0.0; cells * D * nodes * nodes];
         let frozen = self.freeze(s);
-        let batches = operators.par_chunks_mut(WIDTH * D * block * block);
-        batches.zip(masses.par_chunks_mut(WIDTH * D * nodes * nodes)).enumerate().for_each(
-            |(batch, (operators, masses))| {
-                self.cells.with(|scratch| self.lines_of_cells(batch, &frozen, scratch, operators, masses));
-            },
-        );
+        let of_batch = [block, nodes].map(|size| WIDTH * D * size * size);
+        let (operators_of, masses_of) = ((&mut operators[..], of_batch[0]), (&mut masses[..], of_batch[1]));
+        parallel::for_each_pair(operators_of, masses_of, Grain::Any, &|batch, operators, masses| {
+            self.cells.with(|scratch| self.lines_of_cells(batch, &frozen, scratch, operators, masses));
+        });
         let line =
             TraceSpace::new(&FaceMaps::new(&self.tables.flow, 1), 2, M, nodes, self.problem.kernels.is_viscous());
-        let batches = self.facets.batches.par_iter();
-        let facets: Vec<OwnBlocks> = batches.flat_map_iter(|batch| self.ends_of_lines(batch, &frozen, &line)).collect();
+        let batches = &self.facets.batches;
+        let facets = parallel::map(batches.len(), Grain::Any, &|k| self.ends_of_lines(&batches[k], &frozen, &line));
+        let facets: Vec<OwnBlocks> = facets.into_iter().flatten().collect();
         let first = self.first_of_batches();
-        operators.par_chunks_mut(block * block).enumerate().for_each(|(number, operator)| {
+        parallel::for_each_chunk(&mut operators, block * block, Grain::Any, &|number, operator| {
             for end in 0..2 {
                 let (slot, side) = self.facets.of_face[2 * number + end];
                 let facet = first[slot as usize / WIDTH] + slot as usize % WIDTH;

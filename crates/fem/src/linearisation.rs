@@ -8,12 +8,12 @@ use crate::gather::gather;
 use crate::kernels::{Differentiate, Times};
 use crate::layout::Layout;
 use crate::operator::SlabOperator;
+use crate::parallel::{self, Grain};
 use crate::scratch::{CellScratch, FacetScratch, SideScratch};
 use crate::space_jacobian::{Coupling, SpaceJacobian, Stored, TraceSpace};
 use crate::time_points::{InTime, TimePoint};
 use crate::traces::{TraceLayout, Traced, Traces};
 use basis::Matrix;
-use rayon::prelude::*;
 use tensor::{Arch, Pack, WIDTH};
 
 /// Data that are fixed while blocks are computed.
@@ -53,11 +53,11 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let SpaceJacobian { block, diagonal, mass, couplings, traces } = jacobian;
         self.cell_blocks(&frozen, diagonal, mass);
         couplings.clear();
-        let batches = self.facets.batches.par_iter();
-        let facets: Vec<FacetBlocks<T>> =
-            batches.flat_map_iter(|batch| self.facet_blocks(batch, &frozen, traces)).collect();
+        let batches = &self.facets.batches;
+        let facets = parallel::map(batches.len(), Grain::Any, &|k| self.facet_blocks(&batches[k], &frozen, traces));
+        let facets: Vec<FacetBlocks<T>> = facets.into_iter().flatten().collect();
         let first = self.first_of_batches();
-        diagonal.par_chunks_mut(*block * *block).enumerate().for_each(|(cell, diagonal)| {
+        parallel::for_each_chunk(diagonal, *block * *block, Grain::Any, &|cell, diagonal| {
             for face in 0..2 * D {
                 let (slot, side) = self.facets.of_face[cell * 2 * D + face];
                 let facet = first[slot as usize / WIDTH] + slot as usize % WIDTH;
@@ -119,8 +119,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Volume part of A_ii, and the mass matrices.
     fn cell_blocks<T: Stored>(&self, frozen: &FrozenPoint, diagonal: &mut [T], mass: &mut [T]) {
         let (block, nodes) = (self.layout.time_len(), self.layout.nodes);
-        let batches = diagonal.par_chunks_mut(WIDTH * block * block).zip(mass.par_chunks_mut(WIDTH * nodes * nodes));
-        batches.enumerate().for_each(|(batch, (diagonal, mass))| {
+        let (diagonal, mass) = ((diagonal, WIDTH * block * block), (mass, WIDTH * nodes * nodes));
+        parallel::for_each_pair(diagonal, mass, Grain::Any, &|batch, diagonal, mass| {
             self.cells.with(|scratch| self.cell_batch_blocks(batch, frozen, scratch, diagonal, mass));
         });
     }

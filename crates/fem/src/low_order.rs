@@ -15,12 +15,12 @@
 
 use crate::kernels::Kernels;
 use crate::operator::SlabOperator;
+use crate::parallel::{self, Grain};
 use crate::per_thread::PerThread;
 use crate::sub_cells::{CellMap, SubCells};
 use crate::time_points::TimePoint;
 use crate::two_point::FacePairs;
 use mesh::{Side, axis_and_side, face_nodes};
-use rayon::prelude::*;
 use tensor::{WIDTH, norm};
 
 /// theta of (two-point) on faces inside a cell. First-order dissipation is too strong for smooth polynomials; half of it needs the fewest
@@ -87,7 +87,7 @@ impl Neighbours {
         };
         let faces = operator.layout.cells * 2 * D;
         Neighbours {
-            nodes: (0..faces).into_par_iter().flat_map_iter(of_face).collect(),
+            nodes: parallel::map(faces, Grain::Any, &of_face).concat(),
             faces: (0..faces).map(face_across).collect(),
         }
     }
@@ -118,7 +118,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             scratch: PerThread::new(room),
         };
         let mut penalties = std::mem::take(&mut low_order.penalties);
-        penalties.par_chunks_exact_mut(2 * D * face_nodes).enumerate().for_each(|(cell, penalties)| {
+        parallel::for_each_chunk(&mut penalties, 2 * D * face_nodes, Grain::Any, &|cell, penalties| {
             low_order.scratch.with(|scratch| low_order.penalties_of(cell, &mut scratch.map, penalties));
         });
         low_order.penalties = penalties;

@@ -1,8 +1,8 @@
 //! C0 fields in packs: which node lies in which lane, and how the results of cells become one vector.
 
 use crate::batches::cells_of;
+use crate::parallel::{self, Grain};
 use mesh::NodeNumbering;
-use rayon::prelude::*;
 use tensor::{Pack, WIDTH};
 
 /// C0 nodes per task of [`NodalBatches::assemble`]. It sets the size of the tasks, not the result.
@@ -108,7 +108,7 @@ impl<const D: usize> NodalBatches<D> {
     /// threads.
     pub fn assemble(&self, field: &[Pack], out: &mut [f64]) {
         let component = self.nodes_per_cell * WIDTH;
-        out.par_chunks_mut(NODES_PER_TASK * D).enumerate().for_each(|(task, out)| {
+        parallel::for_each_chunk(out, NODES_PER_TASK * D, Grain::Any, &|task, out| {
             for (offset, sum) in out.chunks_exact_mut(D).enumerate() {
                 let node = task * NODES_PER_TASK + offset;
                 sum.fill(0.0);

@@ -10,6 +10,7 @@ use crate::kernels::{Differentiate, Kernels};
 use crate::layout::Layout;
 use crate::mesh_traces::MeshTraces;
 use crate::moving_mesh::MovingMesh;
+use crate::parallel::{self, Grain};
 use crate::per_thread::PerThread;
 use crate::scratch::{CellScratch, FacetScratch};
 use crate::share::Share;
@@ -19,7 +20,6 @@ use crate::time_points::Clock;
 use crate::traces::{FaceMaps, Traced, Traces};
 use crate::wall_loads::NodalLoads;
 use basis::Matrix;
-use rayon::prelude::*;
 use std::sync::Arc;
 use tensor::{Pack, WIDTH};
 
@@ -251,7 +251,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     ) {
         let layout = self.layout.at_one_time();
         let row = if end == SlabEnd::Bottom { self.tables.bottom_row() } else { self.top_row() };
-        out.par_chunks_mut(WIDTH * len).enumerate().for_each(|(batch, out)| {
+        parallel::for_each_chunk(out, WIDTH * len, Grain::Any, &|batch, out| {
             self.cells.with(|scratch| {
                 let cells = cells_of(batch, layout.cells);
                 gather(cells.map(|c| &state[layout.cell(c)]), &mut scratch.state_at[..layout.cell_len()]);

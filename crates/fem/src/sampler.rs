@@ -4,8 +4,8 @@
 use crate::StateField;
 use crate::moving_mesh::MovingMesh;
 use crate::operator::SlabOperator;
+use crate::parallel::{self, Grain};
 use basis::{Lagrange, Matrix, gauss};
-use rayon::prelude::*;
 use tensor::{cofactor, determinant};
 
 /// Values of flow and mesh polynomials on the tensor grid of some points per direction.
@@ -131,7 +131,7 @@ pub fn squared_errors<const D: usize, const M: usize>(
     let errors = CellErrors { sampler, weights: rule.tensor_weights(D), moving: &operator.mesh, row, exact, t };
     let layout = operator.layout.at_one_time();
     let of_cell = |cell: usize| errors.squared(cell, &state[layout.cell(cell)]);
-    let errors: Vec<[f64; M]> = (0..layout.cells).into_par_iter().map(of_cell).collect();
+    let errors: Vec<[f64; M]> = parallel::map(layout.cells, Grain::Any, &of_cell);
     errors.iter().fold([0.0; M], |sum, e| std::array::from_fn(|m| sum[m] + e[m]))
 }
 

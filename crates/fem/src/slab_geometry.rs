@@ -3,16 +3,16 @@
 //! A mesh serves many evaluations. In two dimensions, and for collocated rules, its geometry at the points is computed once for each
 //! position of the mesh. Other rules have too many points in space: they compute it in every evaluation.
 
-use crate::batches::{BATCHES_PER_TASK, FacetBatch, cells_of};
+use crate::batches::{BATCHES, FacetBatch, cells_of};
 use crate::cell_geometry::{CellMotion, GeometryOfSlab, GeometryOfSpace, GeometryScratch, kept_len};
 use crate::facet_geometry::{GeometryOfFacets, facet_geometry_len};
 use crate::gather::{gather, gather_cells, scatter};
 use crate::kernels::Differentiate;
 use crate::mode::{AlongStateAndMesh, Values};
 use crate::operator::SlabOperator;
+use crate::parallel::{self, Grain};
 use crate::scratch::CellScratch;
 use crate::tables::{Orders, Quadrature, Tables};
-use rayon::prelude::*;
 use std::marker::PhantomData;
 use tensor::{Arch, Pack, WIDTH, zeroed};
 
@@ -129,8 +129,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// det dx/dxi at the nodes, `[cell][node]`, at the bottom of the slab.
     fn determinants_of_mesh(&self, out: &mut [f64]) {
         let (nodes, row) = (self.layout.nodes, self.tables.bottom_row());
-        let batches = out.par_chunks_mut(WIDTH * nodes).enumerate();
-        batches.for_each(|(batch, out)| {
+        parallel::for_each_chunk(out, WIDTH * nodes, Grain::Any, &|batch, out| {
             self.cells.with(|CellScratch { geometry, .. }| {
                 self.geometry_of_space(batch, [row.row(0), &vec![0.0; self.mesh.slots()]], geometry);
                 scatter(geometry.nodal.determinants(0, nodes), nodes, out);
@@ -163,8 +162,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Computes the determinants at the top, where no geometry is kept.
     fn take_tops(&self, geometry: &mut SlabGeometry) {
         let SlabGeometry { of_batch: [len, _], carried: [bottom, top], .. } = geometry;
-        let tops = top.par_chunks_mut(WIDTH * self.layout.nodes).enumerate();
-        tops.with_max_len(BATCHES_PER_TASK).for_each(|(batch, top)| {
+        parallel::for_each_chunk(top, WIDTH * self.layout.nodes, BATCHES, &|batch, top| {
             self.cells.with(|scratch| {
                 let mut out = std::mem::take(&mut scratch.geometry.known);
                 self.geometry_of_batch(batch, bottom, scratch, (&mut out[..*len], top));
@@ -199,16 +197,15 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         // Nothing is carried by rules that are not collocated: there the chunks are empty.
         let mut tops: Vec<&mut [f64]> = top.chunks_mut(WIDTH * self.layout.nodes).collect();
         tops.resize_with(cells.len() / *len, Default::default);
-        let batches = cells.par_chunks_mut(*len).zip(tops).enumerate();
-        batches.with_max_len(BATCHES_PER_TASK).for_each(|(batch, (out, top))| {
-            self.cells.with(|scratch| self.geometry_of_batch(batch, bottom, scratch, (out, top)));
+        parallel::for_each_pair((cells, *len), (&mut tops, 1), BATCHES, &|batch, out, top| {
+            self.cells.with(|scratch| self.geometry_of_batch(batch, bottom, scratch, (out, &mut *top[0])));
         });
     }
 
     fn take_facets(&self, geometry: &mut SlabGeometry) {
         let len = geometry.of_batch[1];
-        let batches = geometry.facets.par_chunks_mut(len).zip(&self.facets.batches);
-        batches.with_max_len(BATCHES_PER_TASK).for_each(|(out, batch)| {
+        parallel::for_each_chunk(&mut geometry.facets, len, BATCHES, &|number, out| {
+            let batch = &self.facets.batches[number];
             self.facet_scratch.with(|scratch| {
                 self.gather_mesh(Differentiate::Nothing, batch, scratch);
                 let (viscous, used) = (self.problem.kernels.is_viscous(), batch.sides());

@@ -20,13 +20,21 @@ pub fn dependency_schedule<N: IntoIterator<Item = usize>>(
     needs: impl Fn(usize) -> N + Sync,
     work: impl Fn(usize) + Sync,
 ) {
+    schedule(count, width, &|k, wait| needs(k).into_iter().for_each(wait), &work);
+}
+
+/// Passes the items that an item needs to a function that waits for each.
+type WaitForNeeds<'a> = dyn Fn(usize, &mut dyn FnMut(usize)) + Sync + 'a;
+
+/// [`dependency_schedule`], compiled once for all callers.
+fn schedule(count: usize, width: usize, wait_for_needs: &WaitForNeeds, work: &(dyn Fn(usize) + Sync)) {
     let next = AtomicUsize::new(0);
     let flags: Vec<AtomicBool> = (0..count).map(|_| AtomicBool::new(false)).collect();
     let take_part = || {
         let numbers = std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed));
         for k in numbers.take_while(|k| *k < count) {
             let _done = Done(&flags[k]);
-            needs(k).into_iter().for_each(|other| wait_for(&flags[other]));
+            wait_for_needs(k, &mut |other| wait_for(&flags[other]));
             work(k);
         }
     };

@@ -20,6 +20,7 @@ use super::ilu::BlockIlu;
 use super::panel::padded;
 use basis::TemporalModes;
 use faer::{Mat, c64};
+use fem::parallel::{self, Grain};
 use fem::{Layout, Share, SlabOperator, TraceSpace};
 use rayon::prelude::*;
 use sparse::{BlockMatrix, EliminationTree, Kind};
@@ -95,9 +96,9 @@ impl<T: Entry> CoarseLevel<T> {
         // The memory of old factors is free before new ones are made.
         self.modes = Vec::new();
         let mass = |cell| scaled(1.0, sweeps.jacobian.mass_of(cell), self.layout.nodes) * &self.prolongations[cell];
-        self.masses = (0..self.layout.cells).into_par_iter().map(mass).collect();
-        let images = (0..self.layout.cells).into_par_iter().map(|cell| self.images_of(sweeps, cell));
-        (self.images, self.coupled) = images.unzip();
+        self.masses = parallel::map(self.layout.cells, Grain::Any, &mass);
+        let images = parallel::map(self.layout.cells, Grain::Any, &|cell| self.images_of(sweeps, cell));
+        (self.images, self.coupled) = images.into_iter().unzip();
         let rows = self.all_rows(&sweeps.jacobian.traces, &sweeps.share);
         let shifts: Vec<c64> = sweeps.modes.eigenvalues.iter().map(|lambda| lambda + damping).collect();
         let modes = shifts.iter().map(|lambda| self.factored(&rows, *lambda)).collect();
@@ -169,7 +170,7 @@ impl<T: Entry> CoarseLevel<T> {
     fn restrict(&mut self, modes: &TemporalModes, r: &[f64], scale: f64) {
         let (layout, aggregates, prolongations) = (self.layout, &self.aggregates, &self.prolongations);
         let count = aggregates.count();
-        self.coefficients.par_chunks_exact_mut(self.block).enumerate().with_min_len(16).for_each(|(k, coarse)| {
+        parallel::for_each_chunk(&mut self.coefficients, self.block, Grain::AtLeast(16), &|k, coarse| {
             let column = k / count;
             coarse.fill(T::default());
             for &cell in aggregates.own_cells(k % count) {
@@ -268,7 +269,7 @@ impl<T: Entry> CoarseLevel<T> {
     /// z += (Q (x) P) x, times `scale`: in double precision, as x_1 may be much larger than what the sweeps add.
     pub(super) fn add_prolonged(&self, modes: &TemporalModes, scale: f64, z: &mut [f64]) {
         let layout = self.layout;
-        z.par_chunks_exact_mut(layout.cell_len()).enumerate().with_min_len(16).for_each(|(cell, z)| {
+        parallel::for_each_chunk(z, layout.cell_len(), Grain::AtLeast(16), &|cell, z| {
             let p = &self.prolongations[cell];
             for (a, z) in z.chunks_exact_mut(layout.time_len()).enumerate() {
                 for column in 0..modes.backward.cols() {

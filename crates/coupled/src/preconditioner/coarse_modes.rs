@@ -3,7 +3,7 @@
 use basis::is_real;
 use faer::{c32, c64};
 use fem::Stored;
-use rayon::prelude::*;
+use fem::parallel::{self, Grain};
 use sparse::{Factorisation, Scalar};
 use std::ops::Mul;
 
@@ -86,7 +86,7 @@ pub fn solve_modes<T: Entry>(modes: &mut [CoarseMode<T>], unknowns: usize, mut x
         columns.push(own);
         x = rest;
     }
-    modes.par_iter_mut().zip(columns).for_each(|(mode, x)| mode.solve(x));
+    parallel::for_each_pair((modes, 1), (&mut columns, 1), Grain::Any, &|_, mode, x| mode[0].solve(&mut *x[0]));
 }
 
 /// For every column the columns x of which (lambda x) there is made, and their factors.

@@ -5,8 +5,8 @@ use super::blocks::{Link, coupling_block};
 use super::inverse::Shape;
 use super::ordering::Ordering;
 use super::panel::padded;
+use fem::parallel::{self, Grain};
 use fem::{SpaceJacobian, Stored};
-use rayon::prelude::*;
 
 /// What a sweep does with a neighbour of a cell: A_ik = T_f^T B T_g, i the cell, k the neighbour.
 #[derive(Clone, Copy, Debug)]
@@ -49,16 +49,14 @@ impl Couplings {
     /// The couplings of another `jacobian` along the same links.
     pub fn update<T: Stored>(&mut self, jacobian: &SpaceJacobian<T>) {
         let shape = self.shape;
-        self.blocks.par_chunks_exact_mut(bf16_blocks::panels(shape).len()).zip(&self.links).for_each(
-            |(stored, link)| {
-                let mut block = vec![0.0; shape.len()];
-                let columns = coupling_block(jacobian, *link).chunks_exact(shape.n);
-                for (column, b) in block.chunks_exact_mut(shape.stride()).zip(columns) {
-                    column.iter_mut().zip(b).for_each(|(column, &b)| *column = b.into() as f32);
-                }
-                bf16_blocks::store(shape, &block, stored);
-            },
-        );
+        parallel::for_each_chunk(&mut self.blocks, bf16_blocks::panels(shape).len(), Grain::Any, &|number, stored| {
+            let mut block = vec![0.0; shape.len()];
+            let columns = coupling_block(jacobian, self.links[number]).chunks_exact(shape.n);
+            for (column, b) in block.chunks_exact_mut(shape.stride()).zip(columns) {
+                column.iter_mut().zip(b).for_each(|(column, &b)| *column = b.into() as f32);
+            }
+            bf16_blocks::store(shape, &block, stored);
+        });
     }
 
     /// The steps at `position` to earlier positions.

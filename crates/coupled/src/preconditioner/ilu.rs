@@ -14,10 +14,10 @@ use super::sweeps::Shared;
 use super::{FactoredModes, FlowPreconditioner, TimeScales};
 use basis::TemporalModes;
 use faer::c64;
+use fem::parallel::{self, Grain};
 use fem::{Layout, PerThread, Share, SlabOperator, SpaceJacobian, Stored};
 use navier_stokes::Conserved;
 use newton_krylov::operator::Preconditioner;
-use rayon::prelude::*;
 use std::sync::{Arc, Mutex};
 use tensor::Arch;
 
@@ -189,9 +189,12 @@ impl<T: Stored> BlockIlu<T> {
     fn split_into_modes(&mut self, r: &[f64], scale: f64) {
         let (block, layout, cells) = (self.jacobian.block, self.layout, &self.ordering.cells);
         let right_side = Split { modes: &self.modes, layout, r, scale };
-        let own = self.swept.par_iter_mut().zip(cells).filter(|(_, cell)| **cell < layout.cells);
-        own.for_each(|(swept, &cell)| {
-            for (column, panel) in swept.get().right_side.chunks_exact_mut(padded(block)).enumerate() {
+        parallel::for_each_chunk(&mut self.swept, 1, Grain::Any, &|position, swept| {
+            let cell = cells[position];
+            if cell >= layout.cells {
+                return;
+            }
+            for (column, panel) in swept[0].get().right_side.chunks_exact_mut(padded(block)).enumerate() {
                 let (c, padding) = panel.split_at_mut(block);
                 right_side.take(cell, column, c);
                 padding.fill(0.0);
@@ -215,7 +218,7 @@ impl<T: Stored> BlockIlu<T> {
     /// z = (Q (x) I) c.
     fn join_modes(&self, scale: f64, z: &mut [f64]) {
         let rows = padded(self.jacobian.block);
-        z.par_chunks_exact_mut(self.layout.cell_len()).enumerate().with_min_len(16).for_each(|(cell, z)| {
+        parallel::for_each_chunk(z, self.layout.cell_len(), Grain::AtLeast(16), &|cell, z| {
             z.fill(0.0);
             let swept = self.swept[self.ordering.positions[cell]].read();
             for (column, panel) in swept.result.chunks_exact(rows).enumerate() {

@@ -17,9 +17,9 @@ use super::panel::{Multiply, padded};
 use super::{FactoredModes, FlowPreconditioner, TimeScales};
 use basis::TemporalModes;
 use faer::c64;
+use fem::parallel::{self, Grain};
 use fem::{Layout, LineJacobian, PerThread, Share, SlabOperator};
 use newton_krylov::operator::Preconditioner;
-use rayon::prelude::*;
 use std::sync::Arc;
 use tensor::Arch;
 
@@ -169,7 +169,7 @@ impl Preconditioner for LinePreconditioner {
         };
         let right_side = Split { modes: &self.modes, layout: self.layout, r, scale };
         let len = self.inverses.len() / self.layout.cells;
-        z.par_chunks_exact_mut(self.layout.cell_len()).enumerate().with_min_len(4).for_each(|(cell, z)| {
+        parallel::for_each_chunk(z, self.layout.cell_len(), Grain::AtLeast(4), &|cell, z| {
             z.fill(0.0);
             let inverses = &self.inverses[cell * len..(cell + 1) * len];
             self.scratch.with(|scratch| self.apply_to_cell(cell, inverses, &right_side, z, scratch));
@@ -182,7 +182,7 @@ impl FactoredModes for LinePreconditioner {
         let len: usize = self.shapes().map(|shape| self.jacobian.dimension * matrix_len(shape)).sum();
         let mut inverses = std::mem::take(&mut self.inverses);
         inverses.resize(len * self.layout.cells, 0.0);
-        inverses.par_chunks_exact_mut(len).enumerate().for_each(|(cell, mut stored)| {
+        parallel::for_each_chunk(&mut inverses, len, Grain::Any, &|cell, mut stored| {
             for (shape, lambda) in self.shapes().zip(&self.modes.eigenvalues) {
                 for axis in 0..self.jacobian.dimension {
                     let (now, rest) = std::mem::take(&mut stored).split_at_mut(matrix_len(shape));

@@ -11,10 +11,10 @@ use super::blocks::{Link, coupling_block, diagonal_block};
 use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Accum, Mat, Par};
+use fem::parallel::{self, Grain};
 use fem::{Share, SpaceJacobian};
 use graph::Graph;
 use minimum_discarded_fill::eliminate;
-use rayon::prelude::*;
 use stages::stages;
 use std::ops::Range;
 
@@ -125,10 +125,8 @@ pub fn minimum_discarded_fill(
     (dt, lambda): (f64, f64),
 ) -> Ordering {
     let links = &links[..share.own.len()];
-    let strengths: Vec<Vec<f64>> = (0..links.len())
-        .into_par_iter()
-        .map(|cell| strengths(jacobian, &links[cell], cell, scales, (dt, lambda)))
-        .collect();
+    let of_cell = |cell: usize| strengths(jacobian, &links[cell], cell, scales, (dt, lambda));
+    let strengths = parallel::map(links.len(), Grain::Any, &of_cell);
     let graph = Graph::of_all(links, &strengths, share);
     let order = eliminate(&graph);
     let stages = stages(&graph, &order, share.blocks.groups);

@@ -13,7 +13,7 @@
 use crate::ElasticityError;
 use faer::Mat;
 use fem::NodalBatches;
-use rayon::prelude::*;
+use fem::parallel::{self, Grain};
 use std::ops::Range;
 use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
@@ -86,7 +86,7 @@ impl InnerFactor {
             let schur: Vec<_> = (0..lanes).map(|lane| unknowns.schur(&matrix, lane)).collect();
             unknowns.factor_rows(&matrix).map(|rows| (rows, schur))
         };
-        let eliminated: Vec<_> = (0..batches.count()).into_par_iter().map(eliminate).collect();
+        let eliminated = parallel::map(batches.count(), Grain::Any, &eliminate);
         let (rows, schur) = eliminated.into_iter().collect::<Result<(Vec<_>, Vec<_>), _>>()?;
         Ok((InnerFactor(rows), schur.into_iter().flatten().collect()))
     }

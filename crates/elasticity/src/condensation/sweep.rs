@@ -2,7 +2,7 @@
 
 use super::inner::{CellUnknowns, InnerFactor};
 use fem::NodalBatches;
-use rayon::prelude::*;
+use fem::parallel::{self, Grain};
 use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, Real, zeroed};
@@ -33,8 +33,9 @@ impl<const D: usize> CellSweeps<'_, D> {
         let count = from.len() / nodal;
         let SweepWork { field, sorted } = work;
         sorted.resize(count * field.len(), Pack::ZERO);
-        let cells = field.par_chunks_mut(length).zip(sorted.par_chunks_mut(count * length)).zip(&factor.0);
-        cells.enumerate().for_each(|(batch, ((cell, sorted), rows))| {
+        let (cells, of_cells) = ((&mut field[..], length), (&mut sorted[..], count * length));
+        parallel::for_each_pair(cells, of_cells, Grain::Any, &|batch, cell, sorted| {
+            let rows = &factor.0[batch];
             for (from, x) in from.chunks_exact(nodal).zip(sorted.chunks_exact_mut(length)) {
                 batches.gather(batch, from, cell);
                 x.iter_mut().zip(&unknowns.numbers).for_each(|(x, &number)| *x = cell[number]);
@@ -42,9 +43,8 @@ impl<const D: usize> CellSweeps<'_, D> {
             }
         });
         for (side, out) in out.chunks_exact_mut(nodal).enumerate() {
-            let cells = field.par_chunks_mut(length).zip(sorted.par_chunks(count * length));
-            cells.for_each(|(cell, sorted)| {
-                let x = &sorted[side * length..][..length];
+            parallel::for_each_chunk(field, length, Grain::Any, &|batch, cell| {
+                let x = &sorted[(batch * count + side) * length..][..length];
                 x.iter().zip(&unknowns.numbers).for_each(|(x, &number)| cell[number] = *x);
             });
             batches.assemble(field, out);
@@ -53,6 +53,7 @@ impl<const D: usize> CellSweeps<'_, D> {
 }
 
 /// Work space of the sweeps.
+#[derive(Default)]
 pub(crate) struct SweepWork {
     /// A cell field.
     field: Vec<Pack>,

@@ -10,7 +10,7 @@
 
 use super::{LineTables, Operator};
 use basis::{AllAxes, Matrix, apply_all_axes, scratch_length};
-use rayon::prelude::*;
+use fem::parallel::{self, Grain};
 use std::array::from_fn;
 use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
@@ -42,7 +42,7 @@ impl<const D: usize> Operator<D> {
     pub(crate) fn diagonal(&self, out: &mut [f64]) {
         let functions: [[[Matrix; D]; D]; D] = from_fn(|a| from_fn(|b| products(&self.lines, a, b)));
         let mut field = zeroed(self.batches.field_length());
-        field.par_chunks_mut(self.batches.cell_length()).enumerate().for_each(|(batch, diagonal)| {
+        parallel::for_each_chunk(&mut field, self.batches.cell_length(), Grain::Any, &|batch, diagonal| {
             for a in 0..D {
                 for b in 0..D {
                     let coefficients = &self.coefficients(batch, a, b);

@@ -7,8 +7,8 @@
 use super::Operator;
 use super::kernel::{GradientLayout, Scratch, read_metric};
 use crate::law::Hyperelastic;
+use fem::parallel::{self, Grain};
 use newton_krylov::inner_product;
-use rayon::prelude::*;
 use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, WIDTH};
@@ -47,7 +47,7 @@ impl<const D: usize> Operator<D> {
     /// (energy of cells)
     pub(super) fn energy_by<L: Hyperelastic>(&self, law: L, displacement: &[f64]) -> f64 {
         let energy = |batch| Arch::new().dispatch(BatchEnergy { operator: self, law, batch, displacement });
-        let energies: Vec<Pack> = (0..self.batches.count()).into_par_iter().map(energy).collect();
+        let energies = parallel::map(self.batches.count(), Grain::Any, &energy);
         let of_cells: Vec<f64> = (0..self.batches.cells()).map(|cell| energies[cell / WIDTH].0[cell % WIDTH]).collect();
         inner_product::sum(&of_cells)
     }

@@ -11,7 +11,7 @@ use super::Operator;
 use super::kernel::{GradientLayout, Scratch, read_metric};
 use crate::Inversion;
 use crate::law::plus_identity;
-use rayon::prelude::*;
+use fem::parallel;
 use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, Real, WIDTH, cofactor, determinant};
@@ -65,10 +65,10 @@ impl<const D: usize> Operator<D> {
     pub(crate) fn moved_metric(&self, before: &[Pack], displacement: &[f64], chi: f64) -> Result<Vec<Pack>, Inversion> {
         let mut metric = before.to_vec();
         let length = self.metric_length();
-        let move_batch = |(batch, metric): (usize, &mut [Pack])| {
+        let move_batch = |batch: usize, metric: &mut [Pack]| {
             Arch::new().dispatch(MoveBatch { operator: self, batch, displacement, power: 1.0 - chi, metric })
         };
-        let smallest: Vec<Pack> = metric.par_chunks_exact_mut(length).enumerate().map(move_batch).collect();
+        let smallest = parallel::map_chunks(&mut metric, length, &move_batch);
         self.check_inversion(&smallest)?;
         Ok(metric)
     }

@@ -21,8 +21,8 @@ use crate::substructures::interface::Interface;
 use coarse::Coarse;
 use constraints::Constraints;
 use faer::{Mat, Side};
+use fem::parallel::{self, Grain};
 use local::Local;
-use rayon::prelude::*;
 use scaling::Scaling;
 
 /// The preconditioner of the interface: what belongs to own blocks, and the coarse problem.
@@ -42,8 +42,11 @@ impl<const D: usize> Bddc<D> {
         let (scaling, faces) = Scaling::new(interface, exchange, &own)?;
         let constraints = Constraints::new(interface, exchange, &faces)?;
         let first = exchange.first_own();
-        let local = |(place, s): (usize, Mat<f64>)| Local::new(s, interface, first + place, &constraints);
-        let locals = own.into_par_iter().enumerate().map(local).collect::<Result<Vec<_>, _>>();
+        let mut own = own;
+        let local = |place: usize, s: &mut [Mat<f64>]| {
+            Local::new(std::mem::replace(&mut s[0], Mat::new()), interface, first + place, &constraints)
+        };
+        let locals = parallel::map_chunks(&mut own, 1, &local).into_iter().collect::<Result<Vec<_>, _>>();
         let (locals, energies): (Vec<_>, Vec<_>) = exchange.agree(locals)?.into_iter().unzip();
         let coarse = Coarse::new(&constraints, exchange, &energies)?;
         Ok(Bddc { locals, scaling, coarse })
@@ -53,17 +56,18 @@ impl<const D: usize> Bddc<D> {
     pub(super) fn apply(&self, interface: &Interface<D>, exchange: &Exchange, u: &mut [f64]) {
         let first = exchange.first_own();
         let r = self.scaling.over_sums(interface, u);
-        let of_own = || self.locals.par_iter().enumerate();
-        let shares: Vec<Vec<f64>> =
-            of_own().map(|(place, _)| self.scaling.share(interface, first + place, |k| &r[&k])).collect();
-        let loads = of_own().map(|(place, local)| local.load(&shares[place])).collect();
+        let count = self.locals.len();
+        let share = |place: usize| self.scaling.share(interface, first + place, |k| &r[&k]);
+        let shares = parallel::map(count, Grain::Any, &share);
+        let loads = parallel::map(count, Grain::Any, &|place| self.locals[place].load(&shares[place]));
         let values = self.coarse.solve(exchange, loads);
-        let correct = |(place, local): (usize, &Local)| {
-            let x = local.solve(&shares[place], &self.coarse.of_block(first + place, &values));
+        let correct = |place: usize| {
+            let x = self.locals[place].solve(&shares[place], &self.coarse.of_block(first + place, &values));
             let parts = interface.parts(first + place, &x);
             self.scaling.share(interface, first + place, |k| &parts[&k])
         };
-        let corrections = exchange.gather(of_own().map(correct).collect(), |b| interface.of_block[b].len() * D);
+        let corrections =
+            exchange.gather(parallel::map(count, Grain::Any, &correct), |b| interface.of_block[b].len() * D);
         u.fill(0.0);
         corrections.iter().enumerate().for_each(|(block, part)| interface.add_part(block, part, u));
         let whole = self.scaling.over_sums(interface, u);

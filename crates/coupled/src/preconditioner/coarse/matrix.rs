@@ -4,8 +4,8 @@ use super::{CoarseLevel, CoupledImage, traces_of};
 use crate::preconditioner::coarse_modes::{CoarseMode, Entry};
 use basis::is_real;
 use faer::{Mat, c64};
+use fem::parallel::{self, Grain};
 use fem::{Share, TraceSpace};
-use rayon::prelude::*;
 use sparse::{BlockMatrix, Kind, Scalar};
 
 impl<T: Entry> CoarseLevel<T> {
@@ -16,8 +16,8 @@ impl<T: Entry> CoarseLevel<T> {
 
     /// The [`Self::rows_of`] all aggregates, one after the other. A collective call.
     pub(super) fn all_rows(&self, traces: &TraceSpace, share: &Share) -> Vec<T> {
-        let own: Vec<Vec<T>> =
-            self.aggregates.own().into_par_iter().map(|aggregate| self.rows_of(traces, aggregate)).collect();
+        let aggregates = self.aggregates.own();
+        let own = parallel::map(aggregates.len(), Grain::Any, &|k| self.rows_of(traces, aggregates.start + k));
         self.joined(share, own.concat(), |aggregate| self.rows_len(aggregate))
     }
 

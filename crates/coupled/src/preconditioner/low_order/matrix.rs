@@ -3,9 +3,9 @@
 use super::stencil::{Stencil, Step};
 use crate::preconditioner::blocks::Link;
 use crate::preconditioner::ordering::{Ordering, minimum_discarded_fill_of};
+use fem::parallel::{self, Grain};
 use fem::{Layout, LowOrderRows, NO_NEIGHBOUR, Neighbours, Share, SlabOperator};
 use half::bf16;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Blocks are read in groups of rows; the last one may reach beyond its end by so many numbers.
@@ -51,8 +51,7 @@ impl<const D: usize, const M: usize> NodeBlocks<D, M> {
             stencil: Stencil::new::<D>(order),
         };
         let low_order = operator.low_order(0.5);
-        let roots = matrix.inverse_roots.par_chunks_exact_mut(nodes).enumerate();
-        roots.for_each(|(cell, roots)| {
+        parallel::for_each_chunk(&mut matrix.inverse_roots, nodes, Grain::Any, &|cell, roots| {
             for (root, mass) in roots.iter_mut().zip(low_order.masses(cell)) {
                 *root = 1.0 / mass.abs().sqrt();
             }
@@ -60,8 +59,10 @@ impl<const D: usize, const M: usize> NodeBlocks<D, M> {
         let NodeBlocks { diagonal, couplings, inverse_roots, scales, neighbours, stencil, .. } = &mut matrix;
         let scaling = Scaling { dt, scales, inverse_roots, neighbours: &neighbours.nodes, stencil, nodes, order };
         let len = nodes * M * M;
-        let cells = diagonal.par_chunks_exact_mut(len).zip(couplings.par_chunks_exact_mut(2 * D * len));
-        cells.enumerate().for_each(|(cell, (diagonal, couplings))| {
+        // Both have some numbers more at their ends.
+        let own = layout.cells * len;
+        let (diagonal, couplings) = (&mut diagonal[..own], &mut couplings[..2 * D * own]);
+        parallel::for_each_pair((diagonal, len), (couplings, 2 * D * len), Grain::Any, &|cell, diagonal, couplings| {
             low_order.with_rows(cell, |rows| scaling.store::<D, M>(cell, rows, diagonal, couplings));
         });
         matrix
@@ -126,7 +127,7 @@ impl<const D: usize, const M: usize> NodeBlocks<D, M> {
     pub(super) fn ordering(&self, lambda: f64) -> Ordering {
         let links: Vec<Vec<Link>> = (0..self.layout.cells).map(|cell| self.links(cell)).collect();
         let strengths: Vec<Vec<f64>> =
-            links.par_iter().enumerate().map(|(cell, links)| self.strengths(cell, links, lambda)).collect();
+            parallel::map(links.len(), Grain::Any, &|cell| self.strengths(cell, &links[cell], lambda));
         minimum_discarded_fill_of(&links, &strengths)
     }
 

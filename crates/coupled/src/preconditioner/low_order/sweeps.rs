@@ -6,8 +6,8 @@ use super::stencil::Step;
 use super::vectors::{COLUMNS, Field, add_mode};
 use super::walk::Walk;
 use faer::c64;
+use fem::parallel::{self, Grain};
 use half::bf16;
-use rayon::prelude::*;
 use sparse::dependency_schedule;
 use std::ops::Range;
 use std::sync::RwLockReadGuard;
@@ -72,7 +72,7 @@ impl<const D: usize, const M: usize, const W: usize> Operator<'_, D, M, W> {
 
     /// w = (lambda + dt A) x.
     pub(super) fn multiply(&self, x: &Field, w: &Field) {
-        (0..self.matrix.layout.cells).into_par_iter().with_min_len(4).for_each(|cell| {
+        parallel::for_each(self.matrix.layout.cells, Grain::AtLeast(4), &|cell| {
             let mut neighbours: Neighbours = Default::default();
             for (face, neighbour) in neighbours.iter_mut().enumerate().take(2 * D) {
                 *neighbour = self.matrix.cell_across(cell, face).map(|other| x.read(other));

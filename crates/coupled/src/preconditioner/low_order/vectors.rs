@@ -4,9 +4,9 @@
 use super::matrix::NodeBlocks;
 use basis::{TemporalModes, is_real};
 use faer::c64;
+use fem::parallel::{self, Grain};
 use fem::{Layout, Share};
 use newton_krylov::inner_product;
-use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use tensor::Arch;
@@ -47,7 +47,7 @@ impl Field {
     }
     /// Passes every own cell to `change`, in parallel.
     pub(super) fn change(&self, change: impl Fn(usize, &mut [f32]) + Sync) {
-        (0..self.own).into_par_iter().with_min_len(16).for_each(|cell| change(cell, &mut self.write(cell)));
+        parallel::for_each(self.own, Grain::AtLeast(16), &|cell| change(cell, &mut self.write(cell)));
     }
 }
 
@@ -75,7 +75,7 @@ impl Space<'_> {
             let dots = x.iter().map(|x| self.dots_in_cell(&x.read(cell), &y));
             dots.flatten().collect()
         };
-        let of_cells: Vec<Vec<c64>> = (0..y.own).into_par_iter().with_min_len(16).map(of_cell).collect();
+        let of_cells = parallel::map(y.own, Grain::AtLeast(16), &of_cell);
         let total = |number: usize, part: fn(&c64) -> f64| {
             let of_cells: Vec<f64> = of_cells.iter().map(|dots| part(&dots[number])).collect();
             inner_product::sum_over_blocks(&of_cells, &self.share.ends, &self.share.sums)
@@ -184,7 +184,7 @@ impl<const D: usize, const M: usize> Modes<'_, D, M> {
     /// z = (Q (x) M^(-1/2) S) c, times `scale`.
     pub(super) fn join(&self, c: &Field, scale: f64, z: &mut [f64]) {
         let (layout, matrix) = (self.matrix.layout, self.matrix);
-        z.par_chunks_exact_mut(layout.cell_len()).enumerate().with_min_len(16).for_each(|(cell, z)| {
+        parallel::for_each_chunk(z, layout.cell_len(), Grain::AtLeast(16), &|cell, z| {
             let c = c.read(cell);
             z.fill(0.0);
             for (number, z) in z.chunks_exact_mut(layout.nodes).enumerate() {

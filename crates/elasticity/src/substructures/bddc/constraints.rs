@@ -8,8 +8,8 @@ use crate::substructures::exchange::Exchange;
 use crate::substructures::interface::{Interface, Piece};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
+use fem::parallel::{self, Grain};
 use newton_krylov::inner_product::{Euclidean, InnerProduct, axpy};
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -38,14 +38,16 @@ impl Constraints {
     ) -> Result<Self, ElasticityError> {
         let is_own = |piece: &Piece| piece.blocks.iter().any(|&block| exchange.owns(block));
         let own: Vec<usize> = (0..interface.pieces.len()).filter(|&k| is_own(&interface.pieces[k])).collect();
-        let found = own.par_iter().map(|&number| {
+        let of_piece = |k: usize| -> Result<_, ElasticityError> {
+            let number = own[k];
             let mut rows = rows(interface, &interface.pieces[number]);
             if let Some(face) = faces.get(&number) {
                 add_dear_modes(face, &mut rows)?;
             }
             Ok((number, rows))
-        });
-        let found = found.collect::<Result<BTreeMap<usize, Vec<Vec<f64>>>, _>>();
+        };
+        let found = parallel::map(own.len(), Grain::Any, &of_piece);
+        let found = found.into_iter().collect::<Result<BTreeMap<usize, Vec<Vec<f64>>>, _>>();
         let of_piece = exchange.agree(found)?;
         let counts = counts(interface, exchange, &of_piece);
         let mut next = 0;

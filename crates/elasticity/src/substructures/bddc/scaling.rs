@@ -6,7 +6,7 @@ use crate::substructures::exchange::{Exchange, packed, packed_length, unpacked};
 use crate::substructures::interface::Interface;
 use faer::Mat;
 use faer::linalg::solvers::{DenseSolveCore, Llt, Solve};
-use rayon::prelude::*;
+use fem::parallel::{self, Grain};
 use std::collections::BTreeMap;
 
 /// Shifts of S_b, relative to its diagonal, where it need not be definite.
@@ -46,8 +46,8 @@ impl<const D: usize> Scaling<D> {
         own: &[Mat<f64>],
     ) -> Result<(Self, BTreeMap<usize, Face>), ElasticityError> {
         let first = exchange.first_own();
-        let of_block = |(place, s): (usize, &Mat<f64>)| pieces_of(interface, first + place, s);
-        let found = own.par_iter().enumerate().map(of_block).collect::<Result<Vec<_>, _>>();
+        let of_block = |place: usize| pieces_of(interface, first + place, &own[place]);
+        let found = parallel::map(own.len(), Grain::Any, &of_block).into_iter().collect::<Result<Vec<_>, _>>();
         let mut all: OfPieces = exchange.agree(found)?.into_iter().flatten().collect();
         receive(interface, exchange, &mut all);
         exchange.agree(Self::assembled(interface, exchange, all))
@@ -93,7 +93,8 @@ impl<const D: usize> Scaling<D> {
             let column = scaled.sum.solve(Mat::from_fn(of_piece.len(), 1, |i, _| of_piece[i]));
             (number, column.col_as_slice(0).to_vec())
         };
-        self.pieces.par_iter().map(solved).collect()
+        let pieces: Vec<_> = self.pieces.iter().collect();
+        parallel::map(pieces.len(), Grain::Any, &|k| solved(pieces[k])).into_iter().collect()
     }
 
     /// S_b,F x on every piece of an own block, from the x of the pieces.
