@@ -1,34 +1,33 @@
 //! A run, slab by slab: the same for flow, mesh and structure.
 
 mod begin;
+mod end;
 mod fall_back;
+mod run;
+mod slabs;
 
-use super::context::{RunContext, Stop};
-use super::controls;
+pub(super) use run::Run;
+
+use super::context::RunContext;
 use super::crew::Orders;
-use super::cuts;
-use super::failure::{self, FailureReport, Finding};
 use super::flow_run::run_flow;
 use super::mesh_run::move_mesh;
 use super::occupied::{self, Beginning};
-use super::record::{MeshView, Recorder, Snapshot, StructureSnapshot};
+use super::record::MeshView;
 use super::restart;
-use super::statistics::RunStatistics;
 use super::structure_run::run_structure;
 use crate::destination::Destination;
 use crate::error::Failure;
-use crate::observer::{NextStep, Observer};
+use crate::observer::Observer;
 use crate::session::Session;
-use begin::{append_surfaces, begin, continue_surfaces, restore, take_over};
-use case::rounded_time;
+use begin::{begin, continue_surfaces, cut_files, open_files, restore, take_over, warn_of_end};
 use case::{AnyCase, Case, State};
-use coupled::Past;
-use fall_back::{fall_back, is_held};
+use end::{close, verdict};
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
-use output::{ArraySpec, OutputError, SolverState, Summary};
+use output::Summary;
 use ranks::{Alone, Communicator};
-use std::path::Path;
+use slabs::run_slabs;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -109,68 +108,6 @@ where
     }
 }
 
-/// A march from slab to slab, and its output.
-pub(super) trait Run {
-    /// The report of a slab.
-    type Report;
-    /// The state of the march.
-    fn state(&self) -> &coupled::State;
-    /// Whether the end has been reached.
-    fn is_done(&self) -> bool;
-    /// Attempts to advance one slab; `None` if the attempt is rejected and the next one is easier.
-    fn advance(&mut self) -> anyhow::Result<Option<Self::Report>>;
-    /// Whether there is a more robust way to go on.
-    fn can_fall_back(&self) -> bool {
-        false
-    }
-    /// Whether the run goes on in it after this `error`.
-    fn falls_back_after(&self, _error: &anyhow::Error) -> bool {
-        false
-    }
-    /// Whether the start that it needs first is still missing in the run with these `statistics`.
-    fn awaits_start(&self, _statistics: &RunStatistics) -> bool {
-        false
-    }
-    /// Begins the balances anew, after the run was restored with other integrals of the same flow, or other energies of bodies.
-    fn begin_balances(&mut self, _statistics: &mut RunStatistics) {}
-    /// Velocities and flow at the start, at every time node, laid out like those of a slab.
-    fn slab_at_start(&self) -> [Vec<f64>; 2];
-    /// Prepares and records the start of the run; returns its row of history.csv, if it has one.
-    fn open(&mut self, _context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
-        Ok(None)
-    }
-    /// Records a slab and reports it; returns its row of history.csv.
-    fn enter(&self, report: &Self::Report, context: &mut RunContext) -> Vec<f64>;
-    /// The state from which the next slab can start.
-    fn store(&self) -> SolverState;
-    /// Restores the march from a checkpoint; `None` if something is missing there.
-    fn restore(&mut self, stored: &SolverState) -> Option<()>;
-    /// summary.json
-    fn summary(&mut self, context: &RunContext, stop: Option<&Stop>) -> Summary;
-    /// Examines the `error` of a failed slab.
-    fn examine(&self, error: &anyhow::Error, statistics: &RunStatistics) -> Finding;
-    /// Writes the lines and slices that are due into `directory`; all of them at the start and the end.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
-    fn cut(&self, _directory: &Path, _at_end: bool) -> Result<(), OutputError> {
-        Ok(())
-    }
-    /// Distributions along walls at the end of the last slab, with their descriptions.
-    fn surfaces(&self) -> Vec<(ArraySpec, Vec<f64>)> {
-        Vec::new()
-    }
-    /// Writes files about the state at the end into `directory`.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
-    fn leave(&self, _directory: &Path, _statistics: &RunStatistics) -> anyhow::Result<()> {
-        Ok(())
-    }
-    /// The final verdict on a run that has reached its end.
-    fn judge(&self, context: &RunContext, session: &Session) -> Result<(), Failure>;
-}
-
 /// The call of a run.
 #[derive(Clone, Copy)]
 pub(super) struct Call<'a> {
@@ -195,7 +132,13 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     session.timed(|| drive_in::<D, M, R>(&session, case, run, mesh, call))
 }
 
-/// [`drive`] in its session.
+/// [`drive`] in its session:
+///
+/// 1. Open the files, and find what is to be continued there.
+/// 2. Take the state over from a checkpoint, or from another run, or keep that of the start.
+/// 3. Cut what was written after that state, and record the start.
+/// 4. March.
+/// 5. Write the last state, and give the verdict.
 fn drive_in<const D: usize, const M: usize, R: Run>(
     session: &Session<'_>,
     case: &Case<D>,
@@ -203,33 +146,19 @@ fn drive_in<const D: usize, const M: usize, R: Run>(
     mesh: &Arc<MeshView<D>>,
     call: Call<'_>,
 ) -> Result<Summary, Failure> {
-    let Call { destination, observer, begun, origin } = call;
-    let origin_state = origin.map(|start| &start.state);
-    // Checked once more, now that no other run can write there.
-    let is_mesh_alone = case.flow.is_none() && case.structure.is_none();
-    occupied::check(
-        destination,
-        observer,
-        Beginning { source: case.restart.as_deref(), case: &case.about.resolved, is_mesh_alone },
-    )?;
-    let (mut recorder, resumed) = Recorder::<D, M>::start(session, case, mesh, destination.is_resumed(), origin_state)?;
-    origin.iter().flat_map(|start| &start.warnings).for_each(|warning| tracing::warn!("{warning}"));
-    failure::clear(session.directory.path())?;
-    let statistics = match (&resumed, origin) {
+    let (mut recorder, resumed) = open_files::<D, M>(session, case, mesh, call)?;
+    let statistics = match (&resumed, call.origin) {
         (None, Some(start)) => take_over(&mut run, start, case)?,
         _ => restore(&mut run, resumed.as_ref(), case)?,
     };
     // A run whose search for the steady flow has failed has not begun.
     let has_begun = resumed.is_some() && !run.awaits_start(&statistics);
-    let coupled::State { time, slab: slabs, .. } = *run.state();
-    let reached = cuts::Reached { time, slabs, is_end: run.is_done() };
-    cuts::begin(case, session.directory.path(), has_begun.then_some(reached))?;
-    let mut context = RunContext::new(case, run.state().time, session, begun, statistics);
-    if resumed.is_some() && run.state().time > case.time.end + 1e-9 * case.time.step {
-        let (time, end) = (rounded_time(run.state().time), case.time.end);
-        observer.say(&format!("warning: the checkpoint is at t = {time}, after the end {end}: nothing is left to do"));
+    cut_files(session, case, &run, has_begun)?;
+    let mut context = RunContext::new(case, run.state().time, session, call.begun, statistics);
+    if resumed.is_some() {
+        warn_of_end(case, run.state().time, call.observer);
     }
-    if let Some(start) = origin.filter(|_| case.output.surfaces_every.is_some()) {
+    if let Some(start) = call.origin.filter(|_| case.output.surfaces_every.is_some()) {
         continue_surfaces(&run, &mut recorder, &start.surfaces)?;
     }
     let stop = match has_begun {
@@ -240,106 +169,6 @@ fn drive_in<const D: usize, const M: usize, R: Run>(
         None => run_slabs(case, &mut run, &mut recorder, &mut context, session)?,
         stop => stop,
     };
-    if !is_held(&run) || matches!(stop, Some(Stop::Failed(..))) {
-        recorder.checkpoint(run.store(), &context.statistics)?;
-    }
-    observer.finish();
-    let summary = run.summary(&context, stop.as_ref());
-    summary.write(&session.directory)?;
-    run.leave(session.directory.path(), &context.statistics).map_err(Failure::solve)?;
-    let again = observer.advice(NextStep::Resume, session.directory.path());
-    context.say_cost();
-    match stop {
-        Some(Stop::Asked) => {
-            context.say_stopped(run.state().time, &again);
-            Err(Failure::Stopped)
-        }
-        Some(Stop::Failed(error, finding)) => {
-            let finding = finding.map_or_else(|| run.examine(&error, &context.statistics), |finding| *finding);
-            Err(explained(&run, error, &finding, &case.about.name, session, &again))
-        }
-        None => run.judge(&context, session).map(|()| summary),
-    }
-}
-
-/// The failure of `run`, with the likeliest cause, after the failure report is written.
-fn explained(
-    run: &impl Run,
-    error: anyhow::Error,
-    finding: &Finding,
-    case: &str,
-    session: &Session,
-    again: &str,
-) -> Failure {
-    let (directory, state) = (session.directory.path(), run.state());
-    let time = rounded_time(state.time);
-    let message = format!("the run stopped at t = {time}; the state then is in {}", directory.display());
-    let report = FailureReport { case, error: &error, time, slabs: state.slab, again: Some(again) };
-    let hint = failure::tell(directory, finding, &report);
-    Failure::solve(error.context(message + &hint))
-}
-
-/// Runs the remaining slabs; returns why it stopped before its end, if it did.
-fn run_slabs<const D: usize, const M: usize>(
-    case: &Case<D>,
-    run: &mut impl Run,
-    recorder: &mut Recorder<D, M>,
-    context: &mut RunContext,
-    session: &Session,
-) -> Result<Option<Stop>, Failure> {
-    let mut given_up = None;
-    while !run.is_done() {
-        if session.observer.is_stop_requested() {
-            return Ok(Some(Stop::Asked));
-        }
-        let was_held = is_held(run);
-        match run.advance() {
-            Ok(Some(report)) => {
-                given_up = None;
-                let of_controls = finish_slab(case, run, &report, recorder, context, session.directory.path())?;
-                if let Err(error) = of_controls {
-                    return Ok(Some(Stop::Failed(error, None)));
-                }
-            }
-            Ok(None) if is_held(run) && !was_held => recorder.checkpoint(run.store(), &context.statistics)?,
-            Ok(None) => {}
-            Err(error) if run.falls_back_after(&error) => {
-                given_up = Some(fall_back(case, run, recorder, context, (session, error))?);
-            }
-            Err(error) => return Ok(Some(given_up.unwrap_or(Stop::Failed(error, None)))),
-        }
-    }
-    Ok(None)
-}
-
-/// Writes what a slab has given. Returns the error of the controls, if one of them has no value for the next slab.
-fn finish_slab<const D: usize, const M: usize, R: Run>(
-    case: &Case<D>,
-    run: &R,
-    report: &R::Report,
-    recorder: &mut Recorder<D, M>,
-    context: &mut RunContext,
-    directory: &Path,
-) -> Result<anyhow::Result<()>, Failure> {
-    context.slabs += 1;
-    let row = [run.enter(report, context), controls::values(case)].concat();
-    recorder.history.push(&row)?;
-    let of_controls = controls::update(case, &context.control_columns, &row, &mut context.statistics);
-    let coupled::State { slab, time, d: displacement, past, .. } = run.state();
-    if let Some(Past { v: velocities, u: flow, .. }) = past
-        && (slab.is_multiple_of(case.output.every) || run.is_done())
-    {
-        let structure = StructureSnapshot::new(case, run.state());
-        let averages = &context.statistics.averages;
-        recorder.step(&Snapshot { time: *time, displacement, velocities, flow, structure, averages })?;
-    }
-    if case.output.surfaces_every.is_some_and(|every| slab.is_multiple_of(every)) || run.is_done() {
-        append_surfaces(run, recorder)?;
-    }
-    run.cut(directory, run.is_done())?;
-    context.observer.state(&recorder.tell(&row, run.state()));
-    if recorder.is_checkpoint_due() && !is_held(run) {
-        recorder.checkpoint(run.store(), &context.statistics)?;
-    }
-    Ok(of_controls)
+    let summary = close(&mut run, &mut recorder, &context, session, stop.as_ref())?;
+    verdict(&run, case, &context, session, stop).map(|()| summary)
 }

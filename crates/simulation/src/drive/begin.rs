@@ -1,16 +1,57 @@
 //! The begin of a run: anew, from the state of another run, or from a checkpoint of its own.
 
-use super::Run;
+use super::{Call, Run};
 use crate::context::{RunContext, Stop};
 use crate::error::Failure;
-use crate::record::{Recorder, Snapshot, StructureSnapshot};
+use crate::observer::Observer;
+use crate::occupied::{self, Beginning};
+use crate::record::{MeshView, Recorder, Snapshot, StructureSnapshot};
 use crate::restart::Start;
+use crate::session::Session;
 use crate::statistics::RunStatistics;
-use crate::{checkpoint, controls};
-use case::Case;
+use crate::{checkpoint, controls, cuts, failure};
+use case::{Case, rounded_time};
 use output::{Series, SolverState};
 use std::path::Path;
 use std::sync::Arc;
+
+/// The files of the run, and the state that they hold if it is resumed.
+pub(super) fn open_files<'a, const D: usize, const M: usize>(
+    session: &Session<'_>,
+    case: &'a Case<D>,
+    mesh: &Arc<MeshView<D>>,
+    Call { destination, observer, origin, .. }: Call<'_>,
+) -> Result<(Recorder<'a, D, M>, Option<SolverState>), Failure> {
+    // Checked once more, now that no other run can write there.
+    let is_mesh_alone = case.flow.is_none() && case.structure.is_none();
+    let beginning = Beginning { source: case.restart.as_deref(), case: &case.about.resolved, is_mesh_alone };
+    occupied::check(destination, observer, beginning)?;
+    let state = origin.map(|start| &start.state);
+    let opened = Recorder::<D, M>::start(session, case, mesh, destination.is_resumed(), state)?;
+    origin.iter().flat_map(|start| &start.warnings).for_each(|warning| tracing::warn!("{warning}"));
+    failure::clear(session.directory.path())?;
+    Ok(opened)
+}
+
+/// Cuts files of lines and slices behind the state of `run`, or empties them if it has not begun.
+pub(super) fn cut_files<const D: usize>(
+    session: &Session<'_>,
+    case: &Case<D>,
+    run: &impl Run,
+    has_begun: bool,
+) -> Result<(), Failure> {
+    let coupled::State { time, slab: slabs, .. } = *run.state();
+    let reached = cuts::Reached { time, slabs, is_end: run.is_done() };
+    Ok(cuts::begin(case, session.directory.path(), has_begun.then_some(reached))?)
+}
+
+/// Warns if a resumed run is at a `time` after its end.
+pub(super) fn warn_of_end<const D: usize>(case: &Case<D>, time: f64, observer: &dyn Observer) {
+    if time > case.time.end + 1e-9 * case.time.step {
+        let (time, end) = (rounded_time(time), case.time.end);
+        observer.say(&format!("warning: the checkpoint is at t = {time}, after the end {end}: nothing is left to do"));
+    }
+}
 
 /// Begins a new run, also one that starts from the result of another. Returns why it stopped early, if it did.
 pub(super) fn begin<const D: usize, const M: usize>(

@@ -1,0 +1,71 @@
+//! What is driven from slab to slab: a flow, a structure or a mesh.
+
+use crate::context::{RunContext, Stop};
+use crate::error::Failure;
+use crate::failure::Finding;
+use crate::session::Session;
+use crate::statistics::RunStatistics;
+use output::{ArraySpec, OutputError, SolverState, Summary};
+use std::path::Path;
+
+/// A march from slab to slab, and its output.
+pub(crate) trait Run {
+    /// The report of a slab.
+    type Report;
+    /// The state of the march.
+    fn state(&self) -> &coupled::State;
+    /// Whether the end has been reached.
+    fn is_done(&self) -> bool;
+    /// Attempts to advance one slab; `None` if the attempt is rejected and the next one is easier.
+    fn advance(&mut self) -> anyhow::Result<Option<Self::Report>>;
+    /// Whether there is a more robust way to go on.
+    fn can_fall_back(&self) -> bool {
+        false
+    }
+    /// Whether the run goes on in it after this `error`.
+    fn falls_back_after(&self, _error: &anyhow::Error) -> bool {
+        false
+    }
+    /// Whether the start that it needs first is still missing in the run with these `statistics`.
+    fn awaits_start(&self, _statistics: &RunStatistics) -> bool {
+        false
+    }
+    /// Begins the balances anew, after the run was restored with other integrals of the same flow, or other energies of bodies.
+    fn begin_balances(&mut self, _statistics: &mut RunStatistics) {}
+    /// Velocities and flow at the start, at every time node, laid out like those of a slab.
+    fn slab_at_start(&self) -> [Vec<f64>; 2];
+    /// Prepares and records the start of the run; returns its row of history.csv, if it has one.
+    fn open(&mut self, _context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
+        Ok(None)
+    }
+    /// Records a slab and reports it; returns its row of history.csv.
+    fn enter(&self, report: &Self::Report, context: &mut RunContext) -> Vec<f64>;
+    /// The state from which the next slab can start.
+    fn store(&self) -> SolverState;
+    /// Restores the march from a checkpoint; `None` if something is missing there.
+    fn restore(&mut self, stored: &SolverState) -> Option<()>;
+    /// summary.json
+    fn summary(&mut self, context: &RunContext, stop: Option<&Stop>) -> Summary;
+    /// Examines the `error` of a failed slab.
+    fn examine(&self, error: &anyhow::Error, statistics: &RunStatistics) -> Finding;
+    /// Writes the lines and slices that are due into `directory`; all of them at the start and the end.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    fn cut(&self, _directory: &Path, _at_end: bool) -> Result<(), OutputError> {
+        Ok(())
+    }
+    /// Distributions along walls at the end of the last slab, with their descriptions.
+    fn surfaces(&self) -> Vec<(ArraySpec, Vec<f64>)> {
+        Vec::new()
+    }
+    /// Writes files about the state at the end into `directory`.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    fn leave(&self, _directory: &Path, _statistics: &RunStatistics) -> anyhow::Result<()> {
+        Ok(())
+    }
+    /// The final verdict on a run that has reached its end.
+    fn judge(&self, context: &RunContext, session: &Session) -> Result<(), Failure>;
+}
