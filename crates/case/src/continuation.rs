@@ -1,7 +1,7 @@
 //! Conditions for continuing the run of another case.
 
 use super::continued_tables::{self, LongerTable};
-use super::raw::{Adaptive, Case, Output, Solver, Steady, Time};
+use super::raw::{Adaptive, Case, Output, Solver, Steady, Time, from_toml, to_table, to_toml};
 use std::fmt;
 
 /// The part of a case that a run must share with the run that it continues, because the states depend on it. Tolerances and limits
@@ -80,7 +80,7 @@ pub fn differences(before: &str, now: &str) -> Result<Differences, String> {
 /// # Errors
 /// As [`differences`].
 pub fn differences_after(before: &str, now: &str, reached: f64) -> Result<Differences, String> {
-    let (before, now) = (parsed(before)?, parsed(now)?);
+    let (before, now) = (from_toml(before)?, from_toml(now)?);
     let mut lasting_now = lasting(&now);
     continued_tables::take_back(&mut lasting_now, &before, reached);
     Ok(Differences {
@@ -95,24 +95,12 @@ pub fn differences_after(before: &str, now: &str, reached: f64) -> Result<Differ
 /// # Errors
 /// As [`differences`].
 pub fn lasting_of(resolved: &str) -> Result<String, String> {
-    parsed(resolved).map(|case| as_toml(&lasting(&case)))
-}
-
-fn parsed(text: &str) -> Result<Case, String> {
-    toml::from_str(text).map_err(|error| error.message().to_owned())
-}
-
-/// A case as text.
-pub(super) fn as_toml(raw: &Case) -> String {
-    toml::to_string(raw).expect("a case consists of tables, arrays, texts and numbers, which TOML can write")
+    from_toml(resolved).map(|case| to_toml(&lasting(&case)))
 }
 
 fn compared(before: &Case, now: &Case) -> Vec<Difference> {
-    let table = |case| {
-        toml::Table::try_from(case).expect("a case consists of tables, arrays, texts and numbers, which TOML can write")
-    };
     let mut differences = Vec::new();
-    collect("", &table(before), &table(now), &mut differences);
+    collect("", &to_table(before), &to_table(now), &mut differences);
     differences
 }
 

@@ -167,6 +167,27 @@ pub fn read_case(tree: toml::Spanned<toml::de::DeTable<'_>>) -> Result<Case, tom
     Case::deserialize(toml::de::Deserializer::from(tree))
 }
 
+/// Reads a case from the text that [`to_toml`] gave.
+///
+/// # Errors
+/// What is wrong in the text.
+pub fn from_toml(text: &str) -> Result<Case, String> {
+    toml::from_str(text).map_err(|error| error.message().to_owned())
+}
+
+/// `case` as text.
+pub fn to_toml(case: &Case) -> String {
+    toml::to_string(case).expect(WRITABLE)
+}
+
+/// `case` as a table.
+pub fn to_table(case: &Case) -> toml::Table {
+    toml::Table::try_from(case).expect(WRITABLE)
+}
+
+/// Why a case that was read can be written.
+const WRITABLE: &str = "a case consists of tables, arrays, texts and numbers, which TOML can write";
+
 /// Reads a formula from a `value` of a document.
 ///
 /// # Errors

@@ -2,10 +2,10 @@
 
 use super::tables;
 use crate::checker::Checker;
-use crate::continuation::{as_toml, lasting};
+use crate::continuation::lasting;
 use crate::document::Document;
 use crate::key::Key;
-use crate::raw;
+use crate::raw::{self, to_table, to_toml};
 
 /// The description of a case, without its numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,8 +29,8 @@ impl About {
         About {
             name: name.into_owned(),
             title: raw.title.clone(),
-            resolved: as_toml(&whole),
-            lasting: as_toml(&lasting(&whole)),
+            resolved: to_toml(&whole),
+            lasting: to_toml(&lasting(&whole)),
             defaults: defaults_taken(document, raw).into_iter().chain(checker.noted_defaults()).collect(),
         }
     }
@@ -38,8 +38,7 @@ impl About {
 
 /// The keys of the resolved case that are not in the document.
 fn defaults_taken(document: &Document, raw: &raw::Case) -> Vec<(String, String)> {
-    let full =
-        toml::Value::try_from(raw).expect("a case consists of tables, arrays, texts and numbers, which TOML can write");
+    let full = toml::Value::Table(to_table(raw));
     let mut defaults = Vec::new();
     collect_defaults(document, &Key::default(), &full, &mut defaults);
     defaults

@@ -37,16 +37,12 @@ pub fn walls_of<'b>(resolved: &str, boundaries: &'b [String]) -> Vec<&'b str> {
     boundaries.iter().map(String::as_str).filter(is_wall).collect()
 }
 
-fn parsed(resolved: &str) -> Result<raw::Case, String> {
-    toml::from_str(resolved).map_err(|error| error.message().to_owned())
-}
-
 /// The gas of a resolved case, as text and without what is `allowed` to change; `None` without a flow.
 ///
 /// # Errors
 /// The error of `resolved`, which another version of the program may have written.
 pub fn gas_of(resolved: &str, allowed: &[AllowedChange]) -> Result<Option<String>, String> {
-    let raw = parsed(resolved)?;
+    let raw = raw::from_toml(resolved)?;
     let text = |flow: &raw::Flow| {
         let mut gas = flow.gas.clone();
         if allowed.contains(&AllowedChange::Viscosity) {
@@ -65,7 +61,7 @@ pub fn gas_of(resolved: &str, allowed: &[AllowedChange]) -> Result<Option<String
 /// # Errors
 /// As [`gas_of`].
 pub fn bodies_of(resolved: &str) -> Result<String, String> {
-    let raw = parsed(resolved)?;
+    let raw = raw::from_toml(resolved)?;
     let bodies: Vec<String> = raw.bodies.iter().map(|(name, body)| described(name, body)).collect();
     Ok(if bodies.is_empty() { "none".to_owned() } else { bodies.join("; ") })
 }
@@ -75,7 +71,7 @@ pub fn bodies_of(resolved: &str) -> Result<String, String> {
 /// # Errors
 /// As [`gas_of`].
 pub fn structure_points_of(resolved: &str) -> Result<Vec<(String, Vec<f64>)>, String> {
-    let points = parsed(resolved)?.structure.map(|structure| structure.points);
+    let points = raw::from_toml(resolved)?.structure.map(|structure| structure.points);
     Ok(points.into_iter().flatten().collect())
 }
 
@@ -95,7 +91,7 @@ fn described(name: &str, body: &raw::Body) -> String {
 /// # Errors
 /// As [`gas_of`].
 pub fn quadrature_of(resolved: &str) -> Result<Option<String>, String> {
-    let raw = parsed(resolved)?;
+    let raw = raw::from_toml(resolved)?;
     let text = |flow: &raw::Flow| match flow.quadrature {
         raw::Quadrature::Collocated | raw::Quadrature::CollocatedLobatto => {
             format!("{:?} {} {}", flow.quadrature, flow.order, raw.time.order)
