@@ -138,9 +138,7 @@ def loaded(name):
 
 
 def scaled(mesh):
-    """The unit box of `peers` with sides of 2 pi. Names of periodic sides have numbers, which all versions of PyFR read."""
-    for number, axis in enumerate("xyz"):
-        mesh = mesh.replace(f"periodic-{axis}-", f"periodic-{number}-")
+    """The unit box of `peers` with sides of 2 pi."""
     head, rest = mesh.split("$Nodes\n")
     nodes, tail = rest.split("$EndNodes")
     count, *lines = nodes.strip().split("\n")
