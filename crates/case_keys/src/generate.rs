@@ -36,7 +36,7 @@ pub enum Generate {
     Ellipsoid(EllipsoidGenerator),
     /// The inside of a circle around the origin. Its boundary is wall.
     Disc(DiscGenerator),
-    /// A C-mesh around an airfoil of chord 1 with its nose at the origin. Its boundaries are airfoil and far.
+    /// A C-mesh around an airfoil from x = 0 to its trailing edge at (1, 0). Its boundaries are airfoil and far.
     Airfoil(AirfoilGenerator),
     /// A passage of a row of turbine blades, periodic in the pitch. Its boundaries are blade, inflow and outflow.
     TurbineBlade(TurbineBladeGenerator),

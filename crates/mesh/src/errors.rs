@@ -53,6 +53,19 @@ pub enum MeshError {
         /// The accepted values.
         accepted: &'static str,
     },
+    /// Points of a curve are closer than rounding can tell.
+    #[error(
+        "closed curve mesh: the points {first:?} and {second:?} follow each other at a distance of {distance:e}, which rounding cannot tell \
+         from 0: leave one of them out"
+    )]
+    ClosePoints {
+        /// A point.
+        first: [f64; 2],
+        /// The next one.
+        second: [f64; 2],
+        /// Their distance.
+        distance: f64,
+    },
     /// The reference map of a cell is not orientation-preserving everywhere.
     #[error(
         "cell {cell} is inverted: det J = {determinant:e} at reference point {reference:?}, position {position:?} \

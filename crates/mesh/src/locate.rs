@@ -34,7 +34,7 @@ pub fn locate_in_cell<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D])
 
 /// Solves x(xi) = `x` to the accuracy `tolerance` by Newton's method: xi := xi - J^{-1} (x(xi) - x).
 fn invert<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D], tolerance: f64) -> Option<[f64; D]> {
-    let mut xi = [0.0; D];
+    let (mut xi, mut before) = ([0.0; D], [f64::NAN; D]);
     for _ in 0..MAX_STEPS {
         let map = CellMap::at(order, &xi);
         let (relative, jacobian) = (map.relative_positions(nodes)[0], map.jacobians(nodes)[0]);
@@ -45,10 +45,15 @@ fn invert<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D], tolerance: 
         let cofactor = cofactor(&jacobian);
         let determinant = determinant(&jacobian, &cofactor);
         // cofactor / det is J^{-T}. Far outside a cell its map is meaningless.
-        xi = std::array::from_fn(|a| {
+        let next = std::array::from_fn(|a| {
             let column = std::array::from_fn(|i| cofactor[i][a]);
             (xi[a] - dot(&column, &difference) / determinant).clamp(-1.5, 1.5)
         });
+        // Outside of the cell steps end at the clamp, or go back and forth between two points, for ever.
+        if next == xi || next == before {
+            return None;
+        }
+        (before, xi) = (xi, next);
     }
     None
 }

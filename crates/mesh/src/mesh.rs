@@ -4,7 +4,7 @@ use crate::facet::{corner_node, face_nodes};
 use crate::numbering::unite_nodes;
 use crate::region::NamedSides;
 use crate::{
-    BoundaryFacet, InteriorFacet, MeshError, PeriodicPair, Region, Side, geometry, region, topology, validity,
+    BoundaryFacet, InteriorFacet, MeshError, PeriodicPair, Region, Side, geometry, periodic, region, topology, validity,
 };
 use tensor::norm;
 
@@ -50,7 +50,7 @@ impl<const D: usize> Mesh<D> {
         corners: Vec<usize>,
         coordinates: Vec<f64>,
         boundaries: Vec<(String, Vec<Side>)>,
-        periodic: Vec<PeriodicPair<D>>,
+        pairs: Vec<PeriodicPair<D>>,
         regions: Vec<Region>,
     ) -> Result<Self, MeshError> {
         check_arrays::<D>(order, &corners, &coordinates)?;
@@ -58,8 +58,9 @@ impl<const D: usize> Mesh<D> {
         let (interior_facets, boundary_facets, boundary_names, interfaces) = Default::default();
         let mut mesh =
             Mesh { order, corners, coordinates, interior_facets, boundary_facets, boundary_names, regions, interfaces };
-        topology::connect(&mut mesh, boundaries, &periodic)?;
+        let joined = topology::connect(&mut mesh, boundaries, &pairs)?;
         unite_nodes(&mut mesh);
+        periodic::align_images(&mut mesh, &joined);
         validity::check_cells(&mesh)?;
         Ok(mesh)
     }

@@ -100,7 +100,7 @@ pub(crate) fn unite_nodes<const D: usize>(mesh: &mut Mesh<D>) {
 
 /// The number of different nodes of order `order`, and the number of every node of every cell. Nodes on facets for which `joins` holds,
 /// and on edges with the same vertices, are identified.
-fn numbered<const D: usize>(
+pub(crate) fn numbered<const D: usize>(
     mesh: &Mesh<D>,
     order: usize,
     joins: impl Fn(&InteriorFacet) -> bool,

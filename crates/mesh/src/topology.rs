@@ -4,25 +4,27 @@ use crate::region::{NamedSides, regions_of_cells, split_interfaces};
 use crate::{BoundaryFacet, InteriorFacet, Mesh, MeshError, Orientation, PeriodicPair, Side, periodic};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Finds the facets of `mesh`, which so far has only cells and regions.
+/// Finds the facets of `mesh`, which so far has only cells and regions. Returns those of each pair of `pairs`.
 pub(crate) fn connect<const D: usize>(
     mesh: &mut Mesh<D>,
     boundaries: NamedSides,
     pairs: &[PeriodicPair<D>],
-) -> Result<(), MeshError> {
+) -> Result<Vec<Vec<InteriorFacet>>, MeshError> {
     let owner = boundary_of_sides(mesh, &boundaries)?;
     let (facets, between_regions) = match_faces(mesh, &owner, &boundaries)?;
     mesh.interior_facets = facets;
     periodic::check_gaps(mesh)?;
+    let mut joined = Vec::with_capacity(pairs.len());
     for (number, pair) in pairs.iter().enumerate() {
         periodic::check_pair(number, pairs, boundaries.len())?;
         check_outside(mesh, [&boundaries[pair.minus], &boundaries[pair.plus]], &between_regions)?;
         let facets = periodic::match_pair(mesh, &boundaries, pair)?;
-        mesh.interior_facets.extend(facets);
+        mesh.interior_facets.extend(&facets);
+        joined.push(facets);
     }
     mesh.interior_facets.sort_unstable_by_key(|facet| facet.minus);
     keep_named(mesh, boundaries, pairs, &between_regions);
-    Ok(())
+    Ok(joined)
 }
 
 /// A boundary that is joined with another one has no facets between regions.

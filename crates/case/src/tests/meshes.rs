@@ -204,7 +204,13 @@ fn a_file_has_an_order_that_may_be_raised() {
     for (keys, expected) in [
         ("order = 1", ["`mesh.order = 1`", "2 to 16"]),
         ("periodic = [[\"left\", \"rigth\"]]", ["`mesh.periodic", "did you mean `right`"]),
-        ("periodic = [[\"left\", \"top\"]]", ["`mesh.file", "have 1 and 2 faces"]),
+        ("periodic = [[\"left\", \"top\"]]", ["`mesh.periodic[0]", "have 1 and 2 faces"]),
+        // These named the file and the numbers of boundaries.
+        ("periodic = [[\"left\", \"left\"]]", ["`mesh.periodic[0]", "boundary \"left\" is joined twice"]),
+        (
+            "periodic = [[\"left\", \"right\"], [\"right\", \"left\"]]",
+            ["`mesh.periodic[1]", "boundary \"right\" is joined twice"],
+        ),
         ("generate.airfoil = {}", ["given twice", "one of `generate` and `file`"]),
     ] {
         let message = check(keys).unwrap_err().to_string();

@@ -17,8 +17,8 @@ pub struct AirfoilGenerator {
     /// Instead of the thickness: a text file, relative to the case file, with a point in each line, x and y. The points run from the trailing
     /// edge over the upper side and the nose back to the trailing edge. In the format of Lednicer they run from the nose along the upper
     /// side, and again along the lower one. Lines before the first point may be names. Where semicolons separate x and y, a comma may stand for the
-    /// decimal point. A cubic spline goes through the points. The chord from nose to trailing edge is scaled to 1 and moved, not turned: the
-    /// trailing edge lies at (1, 0). A blunt one is closed.
+    /// decimal point. A cubic spline goes through the points. The profile is scaled and moved, not turned: its foremost
+    /// point lies at x = 0, also if it has an incidence, and the trailing edge at (1, 0). A blunt one is closed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile: Option<PathBuf>,
     /// The smallest distance of the far field.

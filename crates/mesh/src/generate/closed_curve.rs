@@ -35,6 +35,7 @@ impl ClosedCurve {
             check.positive("the distance of two points that follow each other", length)?;
             knots.push(knots[i] + length);
         }
+        check_distances(&points, &knots)?;
         let corner = sharpest_corner(&points);
         check.that(corner == 0.0, CORNER, corner, SMOOTH)?;
         let bends = bends(&knots, &points);
@@ -160,6 +161,20 @@ fn check_bends(bends: Option<Vec<[f64; 2]>>, check: Check) -> Result<Vec<[f64; 2
     })
 }
 
+/// Points that follow each other at a distance that is lost in the length of the curve have no curvature between them.
+fn check_distances(points: &[[f64; 2]], knots: &[f64]) -> Result<(), MeshError> {
+    let n = points.len();
+    let least = f64::EPSILON * knots[n];
+    match (0..n).find(|&i| knots[i + 1] - knots[i] <= least) {
+        Some(i) => {
+            let (first, second) = (points[i], points[(i + 1) % n]);
+            let distance = (second[0] - first[0]).hypot(second[1] - first[1]);
+            Err(MeshError::ClosePoints { first, second, distance })
+        }
+        None => Ok(()),
+    }
+}
+
 fn signed_area(points: &[[f64; 2]]) -> f64 {
     let next = points.iter().cycle().skip(1);
     0.5 * points.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>()
@@ -260,6 +275,13 @@ mod tests {
     fn impossible_points_are_refused() {
         assert!(ClosedCurve::through(&[]).is_err());
         assert!(ClosedCurve::through(&ellipse(4)).is_err());
+        // A trailing edge that is blunt by round-off: "the curvature is NaN".
+        let mut blunt = ellipse(9);
+        let [x, y] = blunt[0];
+        blunt.push([x, y - 3e-17]);
+        blunt[0][1] = y + 1e-17;
+        let message = ClosedCurve::through(&blunt).unwrap_err().to_string();
+        assert!(message.contains("follow each other at a distance of") && message.contains("e-17"), "{message}");
         let mut points = ellipse(6);
         points[3] = points[2];
         assert!(ClosedCurve::through(&points).is_err());

@@ -84,7 +84,15 @@ fn boundaries<const D: usize>(file: &File, splitter: &Splitter, cells: &Cells<D>
             groups.entry(group).or_default().extend(found.as_ref().ok_or_else(stray)?);
         }
     }
-    Ok(by_name(groups.into_iter().map(|(group, sides)| (file.name(D - 1, group), sides))))
+    let mut named = by_name(groups.into_iter().map(|(group, sides)| (file.name(D - 1, group), sides)));
+    named.iter_mut().for_each(|(_, sides)| keep_first(sides));
+    Ok(named)
+}
+
+/// Files may list a facet twice under the same name: it belongs to the boundary once.
+fn keep_first(sides: &mut Vec<Side>) {
+    let mut seen = BTreeSet::new();
+    sides.retain(|side| seen.insert(*side));
 }
 
 /// The cells of each physical group of dimension D, by its name.
@@ -129,6 +137,7 @@ fn pairs<const D: usize>(
     boundaries: &Boundaries,
     periodic: &[(String, String)],
 ) -> Result<Vec<PeriodicPair<D>>, GmshError> {
+    check_once(periodic)?;
     let number = |name: &String| {
         let known = || boundaries.iter().map(|(name, _)| name.clone()).collect();
         let found = boundaries.iter().position(|(other, _)| other == name);
@@ -145,6 +154,17 @@ fn pairs<const D: usize>(
         Ok(PeriodicPair { minus, plus, translation: std::array::from_fn(|i| to[i] - from[i]) })
     };
     periodic.iter().map(pair).collect()
+}
+
+/// Every boundary is in one pair, and there once.
+fn check_once(periodic: &[(String, String)]) -> Result<(), GmshError> {
+    let mut seen = BTreeSet::new();
+    for (pair, (minus, plus)) in periodic.iter().enumerate() {
+        if let Some(name) = [minus, plus].into_iter().find(|name| !seen.insert(*name)) {
+            return Err(GmshError::JoinedTwice { pair, name: name.clone() });
+        }
+    }
+    Ok(())
 }
 
 /// The error of a mesh, with the element of the file.

@@ -165,6 +165,14 @@ pub enum GmshError {
         /// The names that exist.
         known: Vec<String>,
     },
+    /// A boundary is in two periodic pairs, or in one twice.
+    #[error("boundary \"{name}\" is joined twice: a pair has two different boundaries, and a boundary is in one pair")]
+    JoinedTwice {
+        /// The pair in which it is not alone, counted from 0.
+        pair: usize,
+        /// The name.
+        name: String,
+    },
     /// A cell is inverted or degenerate.
     #[error("element {element}: {source}{}", remedies::cell(*degree))]
     Cell {

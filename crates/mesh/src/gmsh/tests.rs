@@ -190,6 +190,28 @@ $Elements\n9\n1 1 2 7 1 1 2\n2 1 2 7 1 2 3\n3 1 2 7 2 3 6\n4 1 2 7 3 5 6\n5 1 2 
 8 3 2 1 1 1 2 5 4\n9 3 2 2 2 2 3 6 5\n$EndElements
 ";
 
+/// "is listed in boundary wall and in boundary wall".
+#[test]
+fn a_facet_listed_twice_under_the_same_name_is_there_once() {
+    let twice = TWO_REGIONS.replace("$Elements\n9\n", "$Elements\n11\n10 1 2 7 1 2 1\n11 1 2 8 5 5 2\n");
+    assert_eq!(read(&twice), read(TWO_REGIONS));
+    assert!(read(&twice).is_ok());
+}
+
+/// "periodic pair 0 refers to boundary 0", a number that no file has.
+#[test]
+fn boundaries_that_are_joined_twice_are_named() {
+    let file = two_cells().version4(Encoding::Text);
+    let pair = |minus: &str, plus: &str| (minus.to_owned(), plus.to_owned());
+    let joined_twice = |pairs: &[(String, String)]| match Mesh::<2>::from_gmsh(&file, pairs) {
+        Err(GmshError::JoinedTwice { pair, name }) => (pair, name),
+        other => unreachable!("{other:?}"),
+    };
+    assert_eq!(joined_twice(&[pair("wall", "wall")]), (0, "wall".to_owned()));
+    let second = [pair("outflow", "inflow"), pair("wall", "inflow")];
+    assert_eq!(joined_twice(&second), (1, "inflow".to_owned()));
+}
+
 #[test]
 fn physical_surfaces_become_regions_and_lines_between_them_interfaces() {
     let mesh = read(TWO_REGIONS).unwrap();

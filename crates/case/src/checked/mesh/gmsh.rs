@@ -5,8 +5,11 @@ use crate::cause::Cause;
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
 use crate::raw;
-use ::mesh::{GmshError, Simplices};
+use ::mesh::{GmshError, MeshError, Simplices};
 use std::path::Path;
+
+/// What a pair of periodic boundaries may be.
+const TRANSLATES: &str = "two boundaries that are translates of each other, facet by facet, each in one pair";
 
 /// The mesh of a file of Gmsh, SU2 or CGNS, in the order of the file.
 pub(super) fn read(checker: &Checker<'_>, raw: &raw::Mesh, file: &Path) -> Checked<AnyMesh> {
@@ -18,12 +21,28 @@ pub(super) fn read(checker: &Checker<'_>, raw: &raw::Mesh, file: &Path) -> Check
             let unknown = Cause::Unknown { kind: "boundary", name, accepted: known, belongs: None };
             checker.error(&Key::new("mesh.periodic"), unknown)
         }
-        error => checker.error(&key, Cause::MeshFile { path: path.clone(), error }),
+        error => match entry_of(&error, &pairs) {
+            Some(entry) => checker.combination(&Key::new("mesh.periodic").entry(entry), &error.to_string(), TRANSLATES),
+            None => checker.error(&key, Cause::MeshFile { path: path.clone(), error }),
+        },
     };
     let simplices = if raw.split_simplices == Some(true) { Simplices::Split } else { Simplices::Refuse };
     let mesh = AnyMesh::read(&path, &pairs, simplices).map_err(refused)?;
     check_names(checker, &key, &mesh)?;
     Ok(mesh)
+}
+
+/// The entry of `mesh.periodic` that an error is about: the file may be right.
+fn entry_of(error: &MeshFileError, pairs: &[(String, String)]) -> Option<usize> {
+    match error {
+        MeshFileError::Mesh(GmshError::JoinedTwice { pair, .. }) => Some(*pair),
+        MeshFileError::Mesh(GmshError::Mesh(
+            MeshError::PairCount { minus, plus, .. }
+            | MeshError::PeriodicMismatch { minus, plus, .. }
+            | MeshError::SameSide { minus, plus, .. },
+        )) => pairs.iter().position(|(one, other)| (one, other) == (minus, plus)),
+        _ => None,
+    }
 }
 
 /// Names of boundaries become names of columns and parts of messages, each on one line.

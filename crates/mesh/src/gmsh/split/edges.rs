@@ -73,6 +73,6 @@ pub(super) fn edges_of(element: &Element) -> Vec<Vec<Edge>> {
     edges(shape).into_iter().map(|edges| edges.into_iter().map(edge).collect()).collect()
 }
 
-pub(super) fn sorted([a, b]: Edge) -> Edge {
+fn sorted([a, b]: Edge) -> Edge {
     [a.min(b), a.max(b)]
 }

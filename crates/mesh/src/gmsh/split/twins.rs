@@ -1,10 +1,10 @@
 //! Edges of two boundaries that are translates of each other.
 
-use super::edges::{edges_of, sorted};
+use super::edges::edges_of;
 use crate::geometry::bounding_box;
 use crate::gmsh::file::{Element, File};
 use crate::mesh::point;
-use crate::periodic;
+use crate::periodic::{self, Place, coincident};
 use std::array::from_fn;
 use std::collections::BTreeMap;
 use tensor::norm;
@@ -22,10 +22,34 @@ fn edges_of_pair<const D: usize>(file: &File, minus: &str, plus: &str) -> Vec<[[
     let all: Vec<f64> = from.values().chain(to.values()).flatten().copied().collect();
     let (lower, upper) = bounding_box::<D>(&all);
     let tolerance = periodic::TOLERANCE * norm(&from_fn::<f64, D, _>(|i| upper[i] - lower[i]));
-    let translation = from_fn(|i| end[i] - start[i]);
-    let Ok(twin) = periodic::twins(&from, &to, &translation, tolerance) else { return Vec::new() };
-    let edges = plus.iter().flat_map(|element| edges_of(element)).flatten();
-    edges.filter_map(|[a, b]| Some([[a, b], sorted([*twin.get(&a)?, *twin.get(&b)?])])).collect()
+    let translated = |x: &[f64; D]| from_fn(|i| x[i] + (end[i] - start[i]));
+    let positions = from.values().map(translated).chain(to.values().copied());
+    let places: Vec<Place<D>> = positions.map(|position| Place { position, tolerance }).collect();
+    let numbers = coincident(&places);
+    let number = |corners: &BTreeMap<u64, [f64; D]>, numbers: &[usize]| -> BTreeMap<u64, usize> {
+        corners.keys().copied().zip(numbers.iter().copied()).collect()
+    };
+    let (from, to) = (number(&from, &numbers), number(&to, &numbers[from.len()..]));
+    coincident_edges(&edges_by_place(&minus, &from), &edges_by_place(&plus, &to))
+}
+
+/// The edges of some elements, by the numbers of the places of their ends. Both sides of a thin plate have edges at the same place.
+fn edges_by_place(elements: &[&Element], places: &BTreeMap<u64, usize>) -> BTreeMap<[usize; 2], Vec<[u64; 2]>> {
+    let mut edges: BTreeMap<_, Vec<_>> = BTreeMap::new();
+    for edge in elements.iter().flat_map(|element| edges_of(element)).flatten() {
+        if let [Some(&a), Some(&b)] = edge.map(|node| places.get(&node)) {
+            edges.entry([a.min(b), a.max(b)]).or_default().push(edge);
+        }
+    }
+    edges
+}
+
+fn coincident_edges(
+    minus: &BTreeMap<[usize; 2], Vec<[u64; 2]>>,
+    plus: &BTreeMap<[usize; 2], Vec<[u64; 2]>>,
+) -> Vec<[[u64; 2]; 2]> {
+    let all = plus.iter().flat_map(|(place, edges)| edges.iter().map(move |edge| (place, *edge)));
+    all.flat_map(|(place, edge)| minus.get(place).into_iter().flatten().map(move |twin| [edge, *twin])).collect()
 }
 
 /// The elements of the boundary `name`.

@@ -58,8 +58,11 @@ fn messages_name_the_place() {
         ),
         (message(|lists| drop(lists.elements.pop())), "cell 5: face 0 of cell 0"),
         (
-            message(|lists| lists.elements.push(lists.elements[2].clone())),
-            "cell 5: face 1 of cell 0 is listed in boundary \"wall\" and in boundary \"wall\": leave it in one boundary condition",
+            message(|lists| {
+                lists.names.push("lid".into());
+                lists.elements.push(ListedElement { names: vec![2], ..lists.elements[2].clone() });
+            }),
+            "cell 5: face 1 of cell 0 is listed in boundary \"wall\" and in boundary \"lid\": leave it in one boundary condition",
         ),
         (message(|lists| lists.elements.clear()), "the file has 0 elements of surfaces"),
     ];
