@@ -6,6 +6,7 @@ use crate::opening_states::by_node;
 use crate::stored_field::StoredField;
 use enclosure::{Enclosure, to_legendre};
 use mesh::locate_in_cell;
+use rayon::prelude::*;
 
 /// Finds the cells of points. An enclosure of each cell excludes nearly all cells, before any equation is solved.
 pub struct CellFinder<const D: usize> {
@@ -18,10 +19,18 @@ pub struct CellFinder<const D: usize> {
 impl<const D: usize> CellFinder<D> {
     /// The cells with these positions.
     pub fn new(positions: &StoredField<D>) -> Self {
-        let (order, cells) = (positions.order(), 0..positions.cells());
+        let nodes = (0..positions.cells()).map(|cell| by_node::<D>(positions.of_cell(cell)));
+        Self::of_nodes(positions.order(), nodes.collect())
+    }
+
+    /// The cells of order `order` with nodes at `nodes`: `[node][component]` for every cell.
+    pub fn of_nodes(order: usize, nodes: Vec<Vec<f64>>) -> Self {
         let to_legendre = to_legendre(order);
-        let enclosures = cells.clone().map(|cell| Enclosure::new(&to_legendre, positions.of_cell(cell))).collect();
-        CellFinder { order, nodes: cells.map(|cell| by_node::<D>(positions.of_cell(cell))).collect(), enclosures }
+        let by_component =
+            |nodes: &[f64]| -> Vec<f64> { (0..D).flat_map(|i| nodes.iter().skip(i).step_by(D).copied()).collect() };
+        let enclosure = |nodes: &Vec<f64>| Enclosure::new(&to_legendre, &by_component(nodes));
+        let enclosures = nodes.par_iter().map(enclosure).collect();
+        CellFinder { order, nodes, enclosures }
     }
 
     /// The first cell that contains `x`, boundary included, and the reference point there; `None` outside of the mesh.
@@ -83,6 +92,19 @@ mod tests {
                 assert_eq!(finder.find(&x), mesh.locate(&x));
                 assert!(finder.near(&x).any(|near| near == cell));
             }
+        }
+    }
+
+    /// Lines looked at every cell whose box, enlarged by half, holds a point, and found the same.
+    #[test]
+    fn nodes_of_cells_give_the_same_finder() {
+        let (mesh, finder) = curved::<3>();
+        let nodes = (0..mesh.n_cells()).map(|cell| mesh.cell_coordinates(cell).to_vec()).collect();
+        let of_nodes = CellFinder::<3>::of_nodes(mesh.order(), nodes);
+        for number in 0..50 {
+            let x = std::array::from_fn(|i| (0.37 + 0.618 * (number * (i + 1)) as f64).fract());
+            assert_eq!(of_nodes.find(&x), finder.find(&x));
+            assert!(of_nodes.near(&x).eq(finder.near(&x)));
         }
     }
 }
