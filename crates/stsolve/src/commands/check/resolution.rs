@@ -90,7 +90,7 @@ pub(super) fn slab_length<const D: usize>(facts: &Facts<'_, D>) -> Option<Warnin
     }
     let step = period * time.order as f64 / NODES_PER_PERIOD;
     let text = format!(
-        "a period of the motion, about {period:.3}, has {nodes:.1} nodes in time, fewer than {NODES_PER_PERIOD}: `time.step` of {step:.2e} \
+        "a period of the motion, about {period:.2e}, has {nodes:.1} nodes in time, fewer than {NODES_PER_PERIOD}: `time.step` of {step:.2e} \
          or less, or a higher `time.order`"
     );
     warning("slab length", text)

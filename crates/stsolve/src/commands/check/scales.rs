@@ -28,7 +28,7 @@ const MOMENT: f64 = 1e-4;
 /// omega = V / A for the node with the largest A is exact for a harmonic motion, and typical of any other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct MotionScales {
-    /// A: half of the extent of the path, in the coordinate in which it is largest.
+    /// A: half of the distance of two positions that are far apart, in whatever direction.
     pub(super) amplitude: f64,
     /// V, between examined times.
     pub(super) speed: f64,
@@ -55,12 +55,8 @@ impl MotionScales {
     /// `times`.
     fn of_path<const D: usize>(at: impl Fn(f64) -> [f64; D], times: usize, dt: f64) -> Self {
         let path: Vec<[f64; D]> = (0..=times).map(|i| at(i as f64)).collect();
-        let extent = |axis: usize| {
-            let along = path.iter().map(|d| d[axis]);
-            along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
-        };
         MotionScales {
-            amplitude: 0.5 * (0..D).map(extent).fold(0.0, f64::max),
+            amplitude: 0.5 * extent(&path),
             speed: path.windows(2).map(|pair| speed(&pair[0], &pair[1], dt)).fold(0.0, f64::max),
         }
     }
@@ -95,6 +91,15 @@ pub(super) fn speed_at_start<const D: usize>(case: &Case<D>, nodes: &[Prescribed
     nodes.iter().map(at_start).reduce(f64::max)
 }
 
+/// The distance of the two ends of a path along a line, or the diameter of a circle: from the position that is farthest from the start to the
+/// one that is farthest from there. It does not depend on the axes, and takes no time that grows with the square of the number of positions.
+fn extent<const D: usize>(path: &[[f64; D]]) -> f64 {
+    let distance = |x: &[f64; D], y: &[f64; D]| tensor::norm::<f64, D>(&std::array::from_fn(|i| x[i] - y[i]));
+    let farthest = |from: [f64; D]| path.iter().max_by(|x, y| distance(x, &from).total_cmp(&distance(y, &from)));
+    let end = path.first().and_then(|start| farthest(*start));
+    end.and_then(|end| farthest(*end).map(|other| distance(end, other))).unwrap_or(0.0)
+}
+
 /// The mean speed between two displacements, `dt` apart.
 fn speed<const D: usize>(from: &[f64; D], to: &[f64; D], dt: f64) -> f64 {
     tensor::norm::<f64, D>(&std::array::from_fn(|i| (to[i] - from[i]) / dt))
@@ -110,5 +115,20 @@ mod tests {
         let scales = MotionScales::of_path(|i| [0.1, amplitude * (omega * i * dt).sin()], 599, dt);
         assert!((scales.amplitude / amplitude - 1.0).abs() < 1e-4, "{scales:?}");
         assert!((scales.frequency() / omega - 1.0).abs() < 1e-3, "{scales:?}");
+    }
+    /// The amplitude was that along an axis, so that the step advised depended on the axes.
+    #[test]
+    fn the_amplitude_does_not_depend_on_the_axes() {
+        let (amplitude, dt) = (0.3, 0.01);
+        for angle in [0.0_f64, 0.3, std::f64::consts::FRAC_PI_4, 2.0] {
+            let along = |i: f64| amplitude * (2.5 * i * dt).sin();
+            let line = MotionScales::of_path(|i| [along(i) * angle.cos(), along(i) * angle.sin()], 599, dt);
+            let at = |i: f64| angle + 2.5 * i * dt;
+            let circle = MotionScales::of_path(|i| [amplitude * at(i).cos(), amplitude * at(i).sin()], 599, dt);
+            for scales in [line, circle] {
+                assert!((scales.amplitude / amplitude - 1.0).abs() < 1e-4, "{angle}: {scales:?}");
+                assert!((scales.frequency() / 2.5 - 1.0).abs() < 1e-3, "{angle}: {scales:?}");
+            }
+        }
     }
 }
