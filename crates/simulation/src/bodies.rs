@@ -98,7 +98,7 @@ fn surface<const D: usize>(
 }
 
 /// The nodes of the facets of a mesh on `walls`, facet by facet.
-fn wall_facets<const D: usize>(mesh: &Mesh<D>, walls: &[usize]) -> impl Iterator<Item = Vec<[f64; D]>> {
+pub fn wall_facets<const D: usize>(mesh: &Mesh<D>, walls: &[usize]) -> impl Iterator<Item = Vec<[f64; D]>> {
     mesh.boundary_facets().iter().filter(|facet| walls.contains(&facet.boundary)).map(|facet| {
         let x = mesh.cell_coordinates(facet.side.cell);
         let nodes = mesh::face_nodes(D, mesh.order(), facet.side.face).into_iter();
@@ -122,7 +122,6 @@ fn data<const D: usize>(
     surface: &Surface<D>,
 ) -> RigidBodyData {
     let reference = flow.law.reference;
-    let in_space = |x: &[f64; D]| -> Vec3 { std::array::from_fn(|d| x.get(d).copied().unwrap_or(0.0)) };
     let (pivot, centre) = (in_space(&body.pivot), in_space(&body.centre_of_mass));
     let coordinates: Vec<Coordinate> = body.freedoms.iter().map(|freedom| coordinate(case, freedom)).collect();
     let area = wetted_area(case, body, &coordinates);
@@ -157,7 +156,7 @@ fn depth<const D: usize>(size: f64, coordinates: &[Coordinate], area: &basis::Ma
 }
 
 /// The rate of a `motion` at time `t`.
-fn rate(motion: &Program, t: f64) -> f64 {
+pub fn rate(motion: &Program, t: f64) -> f64 {
     motion.evaluate(&[], Dual::new(t, 1.0)).derivative
 }
 
@@ -190,11 +189,7 @@ fn wetted_area<const D: usize>(case: &Case<D>, body: &case::RigidBody<D>, coordi
         let speeds: Vec<f64> = coordinates
             .iter()
             .map(|coordinate| {
-                let arm: Vec3 = std::array::from_fn(|i| centre[i] - body.pivot.get(i).copied().unwrap_or(0.0));
-                let mode = match coordinate.freedom {
-                    Direction::Translation(direction) => direction,
-                    Direction::Rotation(axis) => tensor::cross(&axis, &arm),
-                };
+                let mode = mode(&coordinate.freedom, &body.pivot, &centre);
                 tensor::dot(&mode, &normal) / area.max(f64::MIN_POSITIVE)
             })
             .collect();
@@ -205,8 +200,24 @@ fn wetted_area<const D: usize>(case: &Case<D>, body: &case::RigidBody<D>, coordi
     basis::Matrix::new(coordinates.len(), coordinates.len(), sums)
 }
 
+/// The velocity at `x` of a body about `pivot`, per rate of its coordinate along `direction`.
+pub fn mode<const D: usize>(direction: &Direction, pivot: &[f64; D], x: &Vec3) -> Vec3 {
+    match direction {
+        Direction::Translation(direction) => *direction,
+        Direction::Rotation(axis) => {
+            let arm = std::array::from_fn(|i| x[i] - pivot.get(i).copied().unwrap_or(0.0));
+            tensor::cross(axis, &arm)
+        }
+    }
+}
+
+/// A point of the plane or of space.
+pub fn in_space<const D: usize>(x: &[f64; D]) -> Vec3 {
+    std::array::from_fn(|i| x.get(i).copied().unwrap_or(0.0))
+}
+
 /// The mean position of the nodes of a facet, and its area vector, of either sign.
-fn middle_and_area<const D: usize>(nodes: &[[f64; D]]) -> (Vec3, Vec3) {
+pub fn middle_and_area<const D: usize>(nodes: &[[f64; D]]) -> (Vec3, Vec3) {
     let in_space = |x: &[f64; D]| -> Vec3 { std::array::from_fn(|d| x.get(d).copied().unwrap_or(0.0)) };
     let centre = std::array::from_fn(|i| nodes.iter().map(|x| in_space(x)[i]).sum::<f64>() / nodes.len() as f64);
     let (first, last) = (in_space(&nodes[0]), in_space(&nodes[nodes.len() - 1]));

@@ -23,6 +23,7 @@
 //! | `summary` | summary.json |
 //! | `checkpoint` | the state of a run as named arrays, and back |
 //! | `openings` | the flow through inflows and outflows, and whether their conditions are suited to it |
+//! | `body_checks` | what is doubtful about rigid bodies |
 //! | `preflight` | what is known of a run before it starts, for callers of any dimension |
 //! | `probe` | the cost of a run and the validity of its mesh, estimated beforehand |
 //! | `memory_estimate` | the memory of a run, estimated beforehand |
@@ -133,6 +134,7 @@
 mod averages;
 pub mod bench;
 mod bodies;
+mod body_checks;
 mod body_record;
 mod build;
 mod cell_finder;
@@ -180,6 +182,7 @@ mod walls;
 /// More threads than any machine has cores. Thousands take minutes to start.
 pub const MOST_THREADS: u16 = 1024;
 
+pub use body_checks::{speed_of_bodies_at_start, unheld_in_equilibrium, wall_that_bulges};
 pub use build::{PrescribedNode, march, march_with_motion, mover, structure_march};
 pub use cell_finder::CellFinder;
 pub use controls::check as check_controls;

@@ -180,6 +180,31 @@ fn check_warns_of_doubtful_choices_and_names_the_remedy() {
     assert!((number("walls", "first cell in wall units") / wall_units - 1.0).abs() < 1e-12);
 }
 
+/// Bodies were left out: a prescribed motion that starts suddenly, and walls beside them that bulge with their mesh.
+#[test]
+fn check_warns_of_doubtful_bodies() {
+    let warns = |case: &str, settings: &[&str], subject: &str| {
+        let case = shipped(case);
+        let mut arguments = vec!["check", "--json", "--probe", "never", &case];
+        settings.iter().for_each(|setting| arguments.extend(["--set", setting]));
+        let (code, stdout, stderr) = outcome(Path::new("."), &arguments);
+        assert_eq!((code, stderr.as_str()), (0, ""), "{settings:?}");
+        serde_json::from_str::<serde_json::Value>(&stdout).unwrap()["warnings"].get(subject).is_some()
+    };
+    let cylinder = "cylinder_viv.toml";
+    assert!(warns(cylinder, &["bodies.cylinder.y={motion=\"0.1*t\"}"], "start of the motion"));
+    assert!(!warns(cylinder, &["bodies.cylinder.y={motion=\"0.1*t^2\"}"], "start of the motion"));
+    let (walls, subject) = ("flow.boundary.far=\"slip_wall\"", "wall beside a body");
+    assert!(warns(cylinder, &[walls, "bodies.cylinder.mesh.between.outer=60"], subject));
+    assert!(!warns(cylinder, &[walls], subject));
+    let released = "solver.steady={bodies=\"equilibrium\"}";
+    assert!(warns(cylinder, &[released, "bodies.cylinder.x={}"], "equilibrium"));
+    assert!(!warns(cylinder, &[released], "equilibrium"));
+    // These walls move along themselves.
+    let beside = ["mesh.generate.box.periodic=[]", "flow.boundary.others=\"slip_wall\""];
+    assert!(!warns("piston_free.toml", &beside, subject));
+}
+
 #[test]
 fn check_tells_when_the_mesh_will_fail() {
     let case = shipped("airfoil_motion.toml");

@@ -1,6 +1,7 @@
 //! The start of a run from the steady flow, with bodies held or in equilibrium.
 
 use super::FlowRun;
+use crate::body_checks::unheld_in_equilibrium;
 use crate::context::RunContext;
 use crate::history;
 use crate::steady_search;
@@ -56,6 +57,7 @@ where
         found: &mut SteadyFlow<M>,
     ) -> anyhow::Result<()> {
         let (case, flow, march) = (self.case, &*self.flow, &mut self.march);
+        unheld_in_equilibrium(case).iter().for_each(|text| context.observer.say(&format!("warning: {text}")));
         let Equilibrium { report, slabs, steps, iterations } = match &mut self.crew {
             None => steady_search::release_bodies(case, flow, steady, march)?,
             Some(crew) => crew.release_bodies(case, flow, steady, march)?,

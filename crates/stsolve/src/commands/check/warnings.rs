@@ -5,7 +5,7 @@ use super::resolution::{cells_of_file, free_flow, layer, quadrature, slab_length
 use super::scales::{MotionScales, on_walls, speed_at_start};
 use case::{Flow, Motion, Preconditioner, State};
 use navier_stokes::{Boundary, Riemann, Source, Viscosity};
-use simulation::PrescribedNode;
+use simulation::{PrescribedNode, speed_of_bodies_at_start, unheld_in_equilibrium, wall_that_bulges};
 
 /// A far field nearer than this, in reference lengths, influences the flow.
 const FAR: f64 = 10.0;
@@ -42,6 +42,7 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
         let of_boundaries = [
             body(facts, flow),
             friction(facts, flow),
+            bulge(facts, flow),
             exact(flow),
             rotating_frame(facts, flow),
             far_field(facts, flow),
@@ -51,6 +52,7 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
             sudden_flow(facts, flow),
             sutherland(flow),
             gamma(flow),
+            unheld_in_equilibrium(facts.case).and_then(|text| warning("equilibrium", text)),
             fast_walls(facts, flow, &walls),
         ];
         let of_resolution =
@@ -63,6 +65,17 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
 
 pub(super) fn warning(subject: &'static str, text: String) -> Option<Warning> {
     Some(Warning { subject, text })
+}
+
+/// A wall beside a body that follows it by weights changes its shape.
+fn bulge<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
+    let (body, boundary) = wall_that_bulges(facts.case, flow)?;
+    let (name, wall) = (&body.name, &facts.case.mesh.boundary_names()[boundary]);
+    let text = format!(
+        "`bodies.{name}.mesh` moves the wall `{wall}`, which is of no body, across itself: a smaller `outer`, a `weight` that is 0 there, or an elastic \
+         mesh (no `bodies.{name}.mesh`)"
+    );
+    warning("wall beside a body", text)
 }
 
 /// A boundary that moves while others rest is usually a body.
@@ -154,7 +167,7 @@ fn far_field<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<War
 
 /// A wall that has a speed at the start pushes the gas suddenly, for any motion of the interior mesh.
 fn start<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>, walls: &[PrescribedNode<D>]) -> Option<Warning> {
-    let speed = speed_at_start(facts.case, walls)?;
+    let speed = speed_at_start(facts.case, walls).unwrap_or(0.0).max(speed_of_bodies_at_start(facts.case));
     let relative = speed / flow.reference_speed;
     if relative <= SUDDEN {
         return None;

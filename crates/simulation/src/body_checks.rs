@@ -1,0 +1,63 @@
+//! What is doubtful about the rigid bodies of a case, known before a run.
+
+use super::bodies::{in_space, is_of_body, middle_and_area, mode, rate, wall_facets};
+use case::{Case, Flow, Freedom, RigidBody, SteadyBodies};
+use coupled::blocks::rigid_body::{Freedom as Direction, Vec3};
+use tensor::{dot, norm};
+
+/// A wall that follows a body by more than this part of its motion, across the wall, changes its shape.
+const BULGE: f64 = 1e-3;
+
+/// The largest speed at the start of the walls of bodies with a prescribed motion.
+pub fn speed_of_bodies_at_start<const D: usize>(case: &Case<D>) -> f64 {
+    let of_body = |body: &RigidBody<D>| {
+        let motions: Vec<(Direction, f64)> = prescribed(body, case.time.start).collect();
+        let speed_at = |x: &[f64; D]| {
+            let sum = |velocity: Vec3, (direction, rate): &(Direction, f64)| {
+                let mode = mode(direction, &body.pivot, &in_space(x));
+                std::array::from_fn(|i| velocity[i] + rate * mode[i])
+            };
+            norm(&motions.iter().fold([0.0; 3], sum))
+        };
+        wall_facets(&case.mesh, &body.walls).flatten().map(|x| speed_at(&x)).fold(0.0, f64::max)
+    };
+    case.bodies.iter().map(of_body).fold(0.0, f64::max)
+}
+
+/// The directions in which the motion of `body` is prescribed, and their rates at the time `t`.
+fn prescribed<const D: usize>(body: &RigidBody<D>, t: f64) -> impl Iterator<Item = (Direction, f64)> {
+    body.freedoms.iter().filter_map(move |freedom| Some((freedom.direction, rate(freedom.motion.as_ref()?, t))))
+}
+
+/// The first wall that is of no body and that the mesh of a body moves across itself: the body, and the number of the boundary.
+pub fn wall_that_bulges<'a, const D: usize>(case: &'a Case<D>, flow: &Flow<D>) -> Option<(&'a RigidBody<D>, usize)> {
+    let others: Vec<usize> =
+        flow.walls.iter().map(|wall| wall.boundary).filter(|&boundary| !is_of_body(case, boundary)).collect();
+    let pairs = case.bodies.iter().flat_map(|body| others.iter().map(move |&boundary| (body, boundary)));
+    pairs.into_iter().find(|(body, boundary)| wall_facets(&case.mesh, &[*boundary]).any(|nodes| bulges(body, &nodes)))
+}
+
+/// Whether the mesh of `body` moves the facet with these `nodes` across itself.
+fn bulges<const D: usize>(body: &RigidBody<D>, nodes: &[[f64; D]]) -> bool {
+    let weight = nodes.iter().filter_map(|x| body.weight(x)).fold(0.0, |most: f64, w| most.max(w.abs()));
+    let (centre, area) = middle_and_area(nodes);
+    let across = |direction: &Direction| {
+        let mode = mode(direction, &body.pivot, &centre);
+        weight * dot(&mode, &area).abs() > BULGE * norm(&mode) * norm(&area)
+    };
+    weight > 0.0 && body.freedoms.iter().any(|freedom| across(&freedom.direction))
+}
+
+/// The warning about the first coordinate of a body that is to find its equilibrium though no spring or stop holds it.
+pub fn unheld_in_equilibrium<const D: usize>(case: &Case<D>) -> Option<String> {
+    case.solver.steady.as_ref().filter(|steady| steady.bodies == SteadyBodies::Equilibrium)?;
+    let is_unheld = |freedom: &&Freedom| {
+        freedom.motion.is_none() && freedom.spring == 0.0 && freedom.cubic_spring == 0.0 && freedom.stops.is_none()
+    };
+    let of_body = |body: &RigidBody<D>| Some((body.name.clone(), body.freedoms.iter().find(is_unheld)?.name));
+    let (body, freedom) = case.bodies.iter().find_map(of_body)?;
+    Some(format!(
+        "no spring holds `bodies.{body}.{freedom}`: unless the flow does, there is no equilibrium, and the body leaves its mesh; give it a \
+         `spring`, or take `solver.steady.bodies = \"held\"`"
+    ))
+}
