@@ -37,7 +37,7 @@ impl Observer for TerminalObserver<'_> {
     fn open(&self, directory: &Path, clock: &CostClock) -> anyhow::Result<()> {
         let RunArguments { force, verbosity, .. } = self.arguments;
         logging::start(directory, !force, *verbosity, &self.terminal, clock)?;
-        Ok(self.stop.install(Some(&self.terminal))?)
+        Ok(self.stop.install(&self.terminal)?)
     }
     fn begin(&self, start: f64, end: f64) {
         self.progress.get_or_init(|| Progress::new(start, end, self.arguments.verbosity, &self.terminal));

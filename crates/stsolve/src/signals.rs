@@ -18,14 +18,14 @@ impl StopFlag {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// Installs handlers: the first Ctrl-C, SIGTERM or SIGUSR1 sets the flag and is answered on `terminal`, if there is one. The second one ends
-    /// the process at once. Launchers of MPI pass SIGUSR1 on; of the others they end all processes.
+    /// Installs handlers: the first Ctrl-C, SIGTERM or SIGUSR1 sets the flag and is answered on `terminal`. The second one ends the process at
+    /// once. Launchers of MPI pass SIGUSR1 on; of the others they end all processes.
     ///
     /// # Errors
     /// If the system refuses to install the handlers.
-    pub fn install(&self, terminal: Option<&Terminal>) -> io::Result<()> {
+    pub fn install(&self, terminal: &Terminal) -> io::Result<()> {
         let mut signals = Signals::new([SIGINT, SIGTERM, SIGUSR1])?;
-        let (flag, terminal) = (self.clone(), terminal.cloned());
+        let (flag, terminal) = (self.clone(), terminal.clone());
         std::thread::spawn(move || {
             for signal in signals.forever() {
                 if flag.0.swap(true, Ordering::Relaxed) {
@@ -33,11 +33,22 @@ impl StopFlag {
                     let _ = emulate_default_handler(signal);
                 }
                 let answer = "finishing this slab, then writing a checkpoint; press again to stop at once";
-                terminal.iter().for_each(|terminal| terminal.print(answer));
+                terminal.print(answer);
             }
         });
         Ok(())
     }
+}
+
+/// Leaves signals to the first of several processes: this one does nothing, however many come. One that ended at its second signal would end
+/// all, before the first process has written a checkpoint.
+///
+/// # Errors
+/// If the system refuses to install the handlers.
+pub fn leave_to_first_process() -> io::Result<()> {
+    let mut signals = Signals::new([SIGINT, SIGTERM, SIGUSR1])?;
+    std::thread::spawn(move || signals.forever().for_each(drop));
+    Ok(())
 }
 
 #[cfg(test)]
@@ -50,7 +61,7 @@ mod tests {
     fn the_first_signal_sets_the_flag_and_the_process_lives() {
         // The handler of a flag ends the process at a second signal, so that one kind of signal has to do.
         let flag = StopFlag::default();
-        flag.install(Some(&Terminal::default())).unwrap();
+        flag.install(&Terminal::default()).unwrap();
         assert!(!flag.is_set());
         signal_hook::low_level::raise(SIGUSR1).unwrap();
         let begun = Instant::now();

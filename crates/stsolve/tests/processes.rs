@@ -145,6 +145,20 @@ fn a_user_signal_to_the_launcher_ends_all_with_a_checkpoint() {
     assert_ends_well(directory.path(), through.path(), 3, "after a signal");
 }
 
+/// The second signal, that to the launcher, ended all without a checkpoint.
+#[test]
+fn a_signal_to_another_process_than_the_first_changes_nothing() {
+    let directory = TempDir::new().unwrap();
+    let process = start(directory.path(), &[alike(2, &[])]);
+    await_slabs(directory.path(), 4);
+    signal(ranks_of(&process).into_iter().max().unwrap(), "USR1");
+    await_slabs(directory.path(), 6);
+    signal(process.id(), "USR1");
+    let (code, message) = end_of(process);
+    assert_eq!(code, Some(3), "{message}");
+    assert_ends_well(directory.path(), undisturbed().0.path(), 3, "after two signals");
+}
+
 #[test]
 #[allow(clippy::print_stdout)]
 fn a_run_whose_processes_are_killed_resumes_on_another_number_of_them() {

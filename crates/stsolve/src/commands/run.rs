@@ -4,7 +4,7 @@ use crate::cli::RunArguments;
 use crate::logging;
 use crate::observer::TerminalObserver;
 use crate::processes::{end_all_on_panic, threads_of_rank};
-use crate::signals::StopFlag;
+use crate::signals::leave_to_first_process;
 use case::AnyCase;
 use simulation::{Destination, Existing, Failure};
 
@@ -33,7 +33,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
 fn begin(arguments: &RunArguments, rank: usize) -> Result<AnyCase, Failure> {
     let case = AnyCase::read(&arguments.case.case, &arguments.case.set)?;
     if rank > 0 {
-        StopFlag::default().install(None).map_err(Failure::bad_input)?;
+        leave_to_first_process().map_err(Failure::bad_input)?;
     }
     if rank > 0 && arguments.log_ranks {
         let directory = destination(arguments, &case).directory;
