@@ -42,8 +42,8 @@ pub struct Adaptive {
 
 /// A run that starts from the result of another one, with the same mesh at rest and the same gas. The orders of the flow and in time,
 /// slabs and solver may differ. Flow, mesh and its motion, time, sums and history are carried over; mass, momentum and energy are
-/// kept. Another mesh, another gas and a motion that jumps are errors unless `allow` names them. Sources, boundary conditions, the rotation of
-/// the frame, masses and springs of bodies and the material of a structure may change: the run goes on with the new ones.
+/// kept. Another mesh is an error; another gas and a motion that jumps are errors unless `allow` names them. Sources, boundary conditions,
+/// the rotation of the frame, masses and springs of bodies and the material of a structure may change: the run goes on with the new ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Restart {
