@@ -1,6 +1,5 @@
 //! Cells and facets in batches of one per SIMD lane, and the relation of facets and cells.
 
-use crate::parallel::Grain;
 use mesh::{Mesh, Orientation, Side, face_nodes};
 use std::collections::BTreeMap;
 use tensor::{Pack, WIDTH};
@@ -142,9 +141,9 @@ fn faces_to_facets(batches: &[FacetBatch], faces: usize, per_cell: usize) -> Vec
     of_face
 }
 
-/// The number of batches that a thread takes at a time. It is small, so that no thread waits long for the last one and
+/// The largest number of batches that a thread takes at a time. It is small, so that no thread waits long for the last one and
 /// goes to sleep.
-pub const BATCHES: Grain = Grain::AtMost(4);
+pub const BATCHES_PER_TASK: usize = 4;
 
 /// The cells of batch `batch`; the last one is repeated if there are fewer than [`WIDTH`].
 pub fn cells_of(batch: usize, cells: usize) -> [usize; WIDTH] {

@@ -1,10 +1,10 @@
 //! Traces of the mesh in the layout of the kernels of cells and facets, since a mesh serves many evaluations.
 
-use crate::batches::{BATCHES, FacetBatches};
+use crate::batches::{BATCHES_PER_TASK, FacetBatches};
 use crate::gather::{gather_nodes, gather_traces};
-use crate::parallel;
 use crate::per_thread::PerThread;
 use crate::traces::{TraceLayout, Traced};
+use rayon::prelude::*;
 use std::array::from_fn;
 use tensor::{Pack, WIDTH, zeroed};
 
@@ -32,9 +32,8 @@ impl MeshTraces {
     /// Reads the traces of `mesh`, `[cell][slot][d][node]`.
     pub(crate) fn take(&mut self, mesh: Traced, facets: &FacetBatches) {
         let (layout, len) = (self.layout, self.layout.kind_len());
-        let reordered = &self.reordered;
-        parallel::for_each_chunk(&mut self.on_facets, PARTS.len() * len, BATCHES, &|number, packs| {
-            let batch = &facets.batches[number];
+        let batches = self.on_facets.par_chunks_mut(PARTS.len() * len).zip(&facets.batches);
+        batches.with_max_len(BATCHES_PER_TASK).for_each(|(packs, batch)| {
             for ((side, kind), packs) in PARTS.into_iter().zip(packs.chunks_exact_mut(len)) {
                 let ends = batch.ends(side);
                 if kind == 0 {
@@ -44,7 +43,7 @@ impl MeshTraces {
                 }
                 let sources = ends.map(|end| mesh.traces.derivatives_on(end));
                 let permutations = from_fn(|lane| facets.permutation(batch, lane, side).map(|p| &p.mesh[..]));
-                reordered.with(|reordered| gather_traces(sources, permutations, packs, reordered));
+                self.reordered.with(|reordered| gather_traces(sources, permutations, packs, reordered));
             }
         });
     }

@@ -2,6 +2,9 @@
 //!
 //! The work is a `dyn Fn`. A loop of rayon is compiled for a kind of data, and not anew for every caller: their many copies were a sixth of the
 //! code. Results do not depend on how the loop is divided among threads.
+//!
+//! Residuals and their products have loops of their own (`operator::evaluation`, `traces`, `mesh_traces`): here they took 6 to 10 % longer, because
+//! less was inlined.
 
 use rayon::prelude::*;
 

@@ -3,7 +3,7 @@
 //! A mesh serves many evaluations. In two dimensions, and for collocated rules, its geometry at the points is computed once for each
 //! position of the mesh. Other rules have too many points in space: they compute it in every evaluation.
 
-use crate::batches::{BATCHES, FacetBatch, cells_of};
+use crate::batches::{BATCHES_PER_TASK, FacetBatch, cells_of};
 use crate::cell_geometry::{CellMotion, GeometryOfSlab, GeometryOfSpace, GeometryScratch, kept_len};
 use crate::facet_geometry::{GeometryOfFacets, facet_geometry_len};
 use crate::gather::{gather, gather_cells, scatter};
@@ -162,7 +162,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Computes the determinants at the top, where no geometry is kept.
     fn take_tops(&self, geometry: &mut SlabGeometry) {
         let SlabGeometry { of_batch: [len, _], carried: [bottom, top], .. } = geometry;
-        parallel::for_each_chunk(top, WIDTH * self.layout.nodes, BATCHES, &|batch, top| {
+        parallel::for_each_chunk(top, WIDTH * self.layout.nodes, Grain::AtMost(BATCHES_PER_TASK), &|batch, top| {
             self.cells.with(|scratch| {
                 let mut out = std::mem::take(&mut scratch.geometry.known);
                 self.geometry_of_batch(batch, bottom, scratch, (&mut out[..*len], top));
@@ -197,14 +197,14 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         // Nothing is carried by rules that are not collocated: there the chunks are empty.
         let mut tops: Vec<&mut [f64]> = top.chunks_mut(WIDTH * self.layout.nodes).collect();
         tops.resize_with(cells.len() / *len, Default::default);
-        parallel::for_each_pair((cells, *len), (&mut tops, 1), BATCHES, &|batch, out, top| {
+        parallel::for_each_pair((cells, *len), (&mut tops, 1), Grain::AtMost(BATCHES_PER_TASK), &|batch, out, top| {
             self.cells.with(|scratch| self.geometry_of_batch(batch, bottom, scratch, (out, &mut *top[0])));
         });
     }
 
     fn take_facets(&self, geometry: &mut SlabGeometry) {
         let len = geometry.of_batch[1];
-        parallel::for_each_chunk(&mut geometry.facets, len, BATCHES, &|number, out| {
+        parallel::for_each_chunk(&mut geometry.facets, len, Grain::AtMost(BATCHES_PER_TASK), &|number, out| {
             let batch = &self.facets.batches[number];
             self.facet_scratch.with(|scratch| {
                 self.gather_mesh(Differentiate::Nothing, batch, scratch);

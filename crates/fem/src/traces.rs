@@ -1,12 +1,12 @@
 //! Traces of cell coefficients on faces, and the transposed map.
 
-use crate::batches::{BATCHES, cells_of};
+use crate::batches::{BATCHES_PER_TASK, cells_of};
 use crate::gather::{gather, scatter};
-use crate::parallel;
 use crate::per_thread::PerThread;
 use crate::tables::Shape1d;
 use basis::{AlongAxis, Matrix, contract};
 use mesh::{Side, axis_and_side, face_nodes};
+use rayon::prelude::*;
 use std::ops::Range;
 use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
@@ -211,10 +211,8 @@ impl Traces {
             return;
         }
         let cells = coefficients.len() / len;
-        let in_batch = WIDTH * derivatives_len;
-        let all = derivatives.len();
-        let derivatives = &mut derivatives[..all.min(in_batch * cells.div_ceil(WIDTH))];
-        parallel::for_each_chunk(derivatives, in_batch, BATCHES, &|batch, out| {
+        let batches = derivatives.par_chunks_mut(WIDTH * derivatives_len).take(cells.div_ceil(WIDTH)).enumerate();
+        batches.with_max_len(BATCHES_PER_TASK).for_each(|(batch, out)| {
             scratch.with(|[packs, derivatives]| {
                 gather(cells_of(batch, cells).map(|cell| &coefficients[cell * len..(cell + 1) * len]), packs);
                 maps.derivatives(layout.slots * layout.components, packs, derivatives);

@@ -1,19 +1,19 @@
 //! An evaluation: the kernels on all facets, then on all cells.
 
 use super::SlabOperator;
-use crate::batches::{BATCHES, FacetBatch, cells_of};
+use crate::batches::{BATCHES_PER_TASK, FacetBatch, cells_of};
 use crate::cell::{CellCoefficients, CellContext};
 use crate::facet::{Across, DataAt, FacetContext};
 use crate::gather::{gather, gather_cells, scatter};
 use crate::kernels::{Differentiate, Times};
 use crate::mesh_traces::MeshTraces;
-use crate::parallel;
 use crate::prescribed::Prescribed;
 use crate::scratch::{CellScratch, FacetScratch};
 use crate::time_points::InTime;
 use crate::traces::Traced;
 use crate::wall_loads::scatter_loads;
 use mesh::Side;
+use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use tensor::{Pack, WIDTH};
 
@@ -30,7 +30,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         self.wall_loads.terms = loads;
         self.sum_loads();
         let (cell_len, first) = (self.layout.cell_len(), AtomicUsize::new(usize::MAX));
-        parallel::for_each_chunk(out, WIDTH * cell_len, BATCHES, &|batch, out| {
+        let cells = out.par_chunks_mut(WIDTH * cell_len).enumerate();
+        cells.with_max_len(BATCHES_PER_TASK).for_each(|(batch, out)| {
             self.cells.with(|scratch| self.cell_batch((along, direction), batch, scratch, &terms, out));
             for (lane, out) in out.chunks_exact(cell_len).enumerate() {
                 if !sums_to_a_number(out) {
@@ -70,11 +71,10 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         loads: &mut [Vec<f64>],
     ) {
         let facet_len = 2 * self.state_traces.layout.face_len();
-        parallel::for_each_pair((terms, WIDTH * facet_len), (loads, 1), BATCHES, &|number, terms, loads| {
-            let batch = &self.facets.batches[number];
-            if wanted(batch) {
-                self.facet_scratch.with(|scratch| self.facet_batch(by, batch, scratch, terms, &mut loads[0]));
-            }
+        let facets = terms.par_chunks_mut(WIDTH * facet_len).zip(loads).zip(&self.facets.batches);
+        let wanted = facets.with_max_len(BATCHES_PER_TASK).filter(|(_, batch)| wanted(batch));
+        wanted.for_each(|((terms, loads), batch)| {
+            self.facet_scratch.with(|scratch| self.facet_batch(by, batch, scratch, terms, loads));
         });
     }
 
