@@ -35,7 +35,7 @@ pub fn for_each(count: usize, grain: Grain, work: &(dyn Fn(usize) + Sync)) {
     grain.limit((0..count).into_par_iter()).for_each(work);
 }
 
-/// The `values` of all numbers below `count`, in order.
+/// The `value` of every number below `count`, in order.
 pub fn map<R: Send>(count: usize, grain: Grain, value: &(dyn Fn(usize) -> R + Sync)) -> Vec<R> {
     grain.limit((0..count).into_par_iter()).map(value).collect()
 }

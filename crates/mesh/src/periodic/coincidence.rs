@@ -77,7 +77,7 @@ pub(crate) struct Place<const D: usize> {
 ///
 /// Several points of one boundary may coincide: both sides of a thin plate, or of the seam of a closed pipe.
 pub(crate) fn coincident<const D: usize>(places: &[Place<D>]) -> Vec<usize> {
-    // Along a direction that is none of a mesh, few places are as far as each other.
+    // Meshes follow the axes. Along an oblique direction few places have the same height.
     let direction = std::array::from_fn(|i| [0.6321, 0.5403, 0.4487][i]);
     let along = |k: usize| dot(&direction, &places[k].position);
     let mut sorted: Vec<(f64, usize)> = (0..places.len()).map(|k| (along(k), k)).collect();
