@@ -111,7 +111,7 @@ pub use moving_mesh::MovingMesh;
 pub use nodal_batches::NodalBatches;
 pub use operator::{Bottom, Problem, SlabOperator, Violation};
 pub use per_thread::PerThread;
-pub use sampler::{Sampler, functions_at, squared_errors};
+pub use sampler::{Sampler, functions_at, squared_errors, squared_errors_of_cells};
 pub use share::{Blocks, Share};
 pub use slab_geometry::{SlabEnd, kept_geometry_bytes};
 pub use space_jacobian::{Coupling, SpaceJacobian, Stored, TraceSpace};

@@ -115,9 +115,7 @@ pub fn functions_at<const D: usize>(order: usize, xi: &[f64; D]) -> Vec<f64> {
     })
 }
 
-/// int (u_m - exact_m)^2 over the domain for every component, by Gauss quadrature with twice the order.
-///
-/// `state` is laid out at one time; at this time the mesh has the position row `row` (see `TimePoint::position_row`).
+/// The sum of [`squared_errors_of_cells`].
 pub fn squared_errors<const D: usize, const M: usize>(
     operator: &SlabOperator<D, M>,
     state: &[f64],
@@ -125,14 +123,27 @@ pub fn squared_errors<const D: usize, const M: usize>(
     exact: &dyn StateField<D, M>,
     t: f64,
 ) -> [f64; M] {
+    let errors = squared_errors_of_cells(operator, state, row, exact, t);
+    errors.iter().fold([0.0; M], |sum, e| std::array::from_fn(|m| sum[m] + e[m]))
+}
+
+/// int (u_m - exact_m)^2 over each cell for every component, by Gauss quadrature with twice the order.
+///
+/// `state` is laid out at one time; at this time the mesh has the position row `row` (see `TimePoint::position_row`).
+pub fn squared_errors_of_cells<const D: usize, const M: usize>(
+    operator: &SlabOperator<D, M>,
+    state: &[f64],
+    row: &[f64],
+    exact: &dyn StateField<D, M>,
+    t: f64,
+) -> Vec<[f64; M]> {
     let orders = operator.tables.orders;
     let rule = gauss(2 * orders.flow.max(orders.mesh));
     let sampler = Sampler::<D>::new(orders.flow, orders.mesh, &rule.points);
     let errors = CellErrors { sampler, weights: rule.tensor_weights(D), moving: &operator.mesh, row, exact, t };
     let layout = operator.layout.at_one_time();
     let of_cell = |cell: usize| errors.squared(cell, &state[layout.cell(cell)]);
-    let errors: Vec<[f64; M]> = parallel::map(layout.cells, Grain::Any, &of_cell);
-    errors.iter().fold([0.0; M], |sum, e| std::array::from_fn(|m| sum[m] + e[m]))
+    parallel::map(layout.cells, Grain::Any, &of_cell)
 }
 
 /// An exact state at a time, and the grid on which cells are compared with it.

@@ -51,8 +51,12 @@ pub struct Share {
     receives: Vec<(usize, Range<usize>)>,
     /// The facets between ranks.
     cuts: Vec<Cut>,
+    /// Own cells by their numbers in the whole mesh, in increasing order, and their local numbers.
+    sorted: Vec<(usize, usize)>,
     /// On rank 0 the own cells of all ranks.
     cells_of_ranks: Vec<Vec<usize>>,
+    /// On rank 0 the rank of every cell of the whole mesh.
+    rank_of_cell: Vec<u32>,
     /// Cells of the whole mesh.
     whole: usize,
 }
@@ -84,10 +88,12 @@ impl Share {
         let told = if sums.communicator().rank() == 0 { sums.blocks_of_rank() } else { &[] };
         let mut share = Share {
             ends: ends(&own, blocks, sums.own()),
+            sorted: sorted(&own),
             own,
             ghosts: Vec::new(),
             blocks: Blocks { of_cell: Vec::new(), ..*blocks },
             cells_of_ranks: told.iter().map(|range| blocks.cells(range)).collect(),
+            rank_of_cell: Vec::new(),
             sums,
             sends: Vec::new(),
             receives: Vec::new(),
@@ -95,6 +101,9 @@ impl Share {
             whole: mesh.n_cells(),
         };
         let owners = share.owners(blocks);
+        if !share.cells_of_ranks.is_empty() {
+            share.rank_of_cell = owners.iter().map(|&rank| rank as u32).collect();
+        }
         share.meet_neighbours(mesh, blocks, &owners);
         share.find_cuts(mesh, &owners);
         share.blocks.of_cell = share.cells().map(|cell| blocks.of_cell[cell]).collect();
@@ -191,11 +200,24 @@ impl Share {
         self.sums.communicator().size() > 1
     }
 
+    /// The local numbers of those of `cells`, numbers in the whole mesh, that are own cells.
+    fn own_among<'a>(&'a self, cells: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
+        let place = |cell: &usize| self.sorted.binary_search_by_key(cell, |own| own.0).ok();
+        cells.iter().filter_map(place).map(|place| self.sorted[place].1)
+    }
+
     /// The own part of `whole`, `len` numbers for every cell of the whole mesh.
     pub fn own_part(&self, whole: &[f64]) -> Vec<f64> {
         let len = whole.len() / self.whole;
         self.own.iter().flat_map(|&cell| whole[cell * len..(cell + 1) * len].iter().copied()).collect()
     }
+}
+
+/// The cells `own` in increasing order, with their places.
+fn sorted(own: &[usize]) -> Vec<(usize, usize)> {
+    let mut sorted: Vec<(usize, usize)> = own.iter().copied().zip(0..).collect();
+    sorted.sort_unstable();
+    sorted
 }
 
 /// The first of the cells `own` in each of the blocks, and the number of all.

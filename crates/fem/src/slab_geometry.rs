@@ -39,20 +39,15 @@ pub(crate) struct SlabGeometry {
 }
 
 impl SlabGeometry {
-    /// Memory for `cells` cells and so many `batches` of facets; only for the determinants that are carried unless the geometry is `kept`.
-    pub(crate) fn new<const D: usize>(
-        tables: &Tables<D>,
-        viscous: bool,
-        [cells, batches]: [usize; 2],
-        kept: bool,
-    ) -> Self {
+    /// Memory for `cells` cells and so many `batches` of facets.
+    pub(crate) fn new<const D: usize>(tables: &Tables<D>, viscous: bool, [cells, batches]: [usize; 2]) -> Self {
         let collocated = tables.collocation.is_some();
         let points = [tables.rule.points.len(), tables.time_points.len()];
         let of_batch @ [of_cells, of_facets] = kept_of_batch(D, points, collocated, viscous);
         let ends = vec![1.0; if collocated { cells * tables.orders.flow.pow(D as u32) } else { 0 }];
         SlabGeometry {
-            cells: zeroed(if kept { cells.div_ceil(WIDTH) * of_cells } else { 0 }),
-            facets: zeroed(if kept { batches * of_facets } else { 0 }),
+            cells: zeroed(cells.div_ceil(WIDTH) * of_cells),
+            facets: zeroed(batches * of_facets),
             of_batch,
             carried: [ends.clone(), ends],
         }

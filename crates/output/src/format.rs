@@ -3,8 +3,7 @@
 use hdf5::{Group, Result};
 
 use crate::hdf::{
-    append, constant, growing, read_integer, read_labels, read_length, read_text, write_integer, write_labels,
-    write_text,
+    constant, growing, read_integer, read_labels, read_length, read_text, write_integer, write_labels, write_text,
 };
 use crate::layout::{ArraySpec, Axis, FieldSpec, FileLayout, Grid};
 use crate::rest_mesh::{self, RestMesh};
@@ -130,9 +129,4 @@ fn read_array(exact: &Group, name: String) -> Result<ArraySpec> {
     let axes = read_labels(&dataset)?.into_iter().zip(dataset.shape());
     let axes = axes.skip(1).map(|(label, length)| Axis { label, length }).collect();
     Ok(ArraySpec { name, axes })
-}
-
-/// Appends the coefficients of a step.
-pub(crate) fn append_array(group: &Group, name: &str, values: &[f64]) -> Result<()> {
-    append(&group.group("exact")?.dataset(name)?, 1, values)
 }

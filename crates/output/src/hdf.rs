@@ -58,6 +58,20 @@ pub(crate) fn append<T: H5Type>(dataset: &Dataset, rows: usize, values: &[T]) ->
     dataset.write_slice(ArrayViewD::from_shape(shape, values)?, Hyperslab::from(selection))
 }
 
+/// Writes `rows` rows of the second axis, from the row `first` on, at the number `step` of axis 0, along which the array grows.
+pub(crate) fn write_rows(dataset: &Dataset, step: usize, first: usize, rows: usize, values: &[f64]) -> Result<()> {
+    let mut shape = dataset.shape();
+    if shape[0] <= step {
+        shape[0] = step + 1;
+        dataset.resize(&shape)?;
+    }
+    let here = [step..step + 1, first..first + rows].map(SliceOrIndex::from);
+    let whole = std::iter::repeat_n(SliceOrIndex::from(..), shape.len() - 2);
+    let selection: Vec<_> = here.into_iter().chain(whole).collect();
+    (shape[0], shape[1]) = (1, rows);
+    dataset.write_slice(ArrayViewD::from_shape(shape, values)?, Hyperslab::from(selection))
+}
+
 /// The group `name` in `parent`, made if it is not there.
 pub(crate) fn group_in(parent: &Group, name: &str) -> Result<Group> {
     if parent.link_exists(name) { parent.group(name) } else { parent.create_group(name) }

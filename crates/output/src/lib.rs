@@ -87,8 +87,8 @@ pub use rest_mesh::RestMesh;
 pub use result_file::{RESULT_FILE, ResultFile, read_checkpoint};
 pub use series::Series;
 pub use slice_series::SliceSeries;
-pub use state::{Arrays, SolverState};
-pub use step::Step;
+pub use state::{ArrayInParts, Arrays, SolverState};
+pub use step::{Step, StepInParts};
 pub use summary::{
     Body, Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Oscillation, SUMMARY_FILE,
     Steady, SteadyStability, SteadyWall, StructureSummary, Summary, Unknowns, Wall,

@@ -12,8 +12,8 @@ use crate::files::{file_error, partial, publish};
 use crate::format::{self, FORMAT_VERSION, Metadata};
 use crate::lagrange::vtk_order;
 use crate::layout::{ArraySpec, FileLayout};
-use crate::state::{self, SolverState};
-use crate::step::{Step, checked};
+use crate::state::{self, ArrayInParts, SolverState};
+use crate::step::{Step, StepInParts, checked};
 use crate::{hdf, seal, series, vtkhdf};
 
 /// Name of the result file in the run directory.
@@ -24,9 +24,9 @@ pub const RESULT_FILE: &str = "result.vtkhdf";
 pub struct ResultFile {
     published: PathBuf,
     working: PathBuf,
-    layout: FileLayout,
+    pub(crate) layout: FileLayout,
     /// VTK's number of each lattice point of a cell.
-    order: Vec<usize>,
+    pub(crate) order: Vec<usize>,
     copy: WorkingCopy,
     /// The description of a resumed run with another case, until that has replaced the case in the file.
     now: Option<Metadata>,
@@ -104,20 +104,24 @@ impl ResultFile {
     /// [`OutputError::Absent`] or [`OutputError::Length`] if the step does not fit the layout, [`OutputError::Hdf5`] or
     /// [`OutputError::File`] if it cannot be written.
     pub fn append(&mut self, step: &Step) -> Result<(), OutputError> {
-        let (fields, exact) = step.in_order(&self.layout)?;
-        let file = self.take_working_copy()?;
-        self.write_step(&file, step, &fields, &exact).map_err(|source| self.write_error(source))?;
-        self.copy = WorkingCopy::Open(file);
-        Ok(())
+        step.check(&self.layout)?;
+        let mut parts = self.append_in_parts(step.time)?;
+        parts.add(step)?;
+        parts.finish()
     }
 
-    fn write_step(&self, file: &File, step: &Step, fields: &[&[f64]], exact: &[&[f64]]) -> hdf5::Result<()> {
-        let (root, group) = (file.group("VTKHDF")?, file.group(format::GROUP)?);
-        vtkhdf::append_step(&root, &self.layout, &self.order, step, fields)?;
-        for (array, values) in self.layout.exact.iter().zip(exact) {
-            format::append_array(&group, &array.name, values)?;
-        }
-        vtkhdf::close_step(&root, step.time, &self.layout)
+    /// Begins to append a step at a `time` that is too large to be made at once.
+    ///
+    /// # Errors
+    /// [`OutputError::Hdf5`] or [`OutputError::File`] if the file cannot be written.
+    pub fn append_in_parts(&mut self, time: f64) -> Result<StepInParts<'_>, OutputError> {
+        let file = self.take_working_copy()?;
+        Ok(StepInParts::new(self, file, time))
+    }
+
+    /// Keeps the working copy: what was written there is complete.
+    pub(crate) fn keep(&mut self, file: File) {
+        self.copy = WorkingCopy::Open(file);
     }
 
     /// Appends the `values` at a `time` to the series of `array`, which begins with its first values. A series has times of its own.
@@ -142,9 +146,17 @@ impl ResultFile {
     /// # Errors
     /// [`OutputError::Hdf5`] or [`OutputError::File`]; the last published file is then still in place.
     pub fn checkpoint(&mut self, state: &SolverState) -> Result<(), OutputError> {
+        self.checkpoint_with(state, Vec::new())
+    }
+
+    /// The same for a state with `long` arrays, which are made while they are written.
+    ///
+    /// # Errors
+    /// As [`Self::checkpoint`].
+    pub fn checkpoint_with(&mut self, state: &SolverState, long: Vec<ArrayInParts<'_>>) -> Result<(), OutputError> {
         let file = self.take_working_copy()?;
         let write = || {
-            state::write(&file.group(format::GROUP)?, state)?;
+            state::write(&file.group(format::GROUP)?, state, long)?;
             file.close()
         };
         write().map_err(|source| self.write_error(source))?;
@@ -175,7 +187,7 @@ impl ResultFile {
         Ok(file)
     }
 
-    fn write_error(&self, source: hdf5::Error) -> OutputError {
+    pub(crate) fn write_error(&self, source: hdf5::Error) -> OutputError {
         OutputError::Hdf5 { path: self.working.clone(), source }
     }
 }

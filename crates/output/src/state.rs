@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use hdf5::{Group, Result};
+use hdf5::{Dataset, Error, Group, Result};
 
-use crate::hdf::{constant, group_in, growing, read_integer, read_text, write_integer, write_text};
+use crate::hdf::{group_in, growing, read_integer, read_text, write_integer, write_text};
 
 /// Arrays by their names. They may be shared with the solver: a checkpoint needs no copy of large ones.
 pub type Arrays = BTreeMap<String, Arc<Vec<f64>>>;
@@ -21,16 +21,28 @@ pub struct SolverState {
     pub texts: BTreeMap<String, String>,
 }
 
+/// A long array of the state that is made while it is written, one part after the other.
+pub struct ArrayInParts<'a> {
+    /// Its name, without `/`.
+    pub name: String,
+    /// The number of its values.
+    pub len: usize,
+    /// Its values.
+    pub parts: Box<dyn Iterator<Item = Vec<f64>> + 'a>,
+}
+
 /// Numbers in a chunk of an array that changes its length.
 const CHUNK: usize = 2048;
 
-/// Replaces the state in the group `parent`. The space of the old one is used again: what a file frees is lost when it is closed.
-pub(crate) fn write(parent: &Group, state: &SolverState) -> Result<()> {
+/// Replaces the state in the group `parent` by `state` with the `long` arrays. The space of the old one is used again: what a file frees is lost
+/// when it is closed.
+pub(crate) fn write(parent: &Group, state: &SolverState, long: Vec<ArrayInParts<'_>>) -> Result<()> {
     let group = group_in(parent, "state")?;
     let arrays = group_in(&group, "arrays")?;
-    let gone = arrays.member_names()?.into_iter().filter(|name| !state.arrays.contains_key(name));
-    gone.into_iter().try_for_each(|name| arrays.unlink(&name))?;
+    let stays = |name: &String| state.arrays.contains_key(name) || long.iter().any(|array| array.name == *name);
+    arrays.member_names()?.iter().filter(|name| !stays(name)).try_for_each(|name| arrays.unlink(name))?;
     state.arrays.iter().try_for_each(|(name, values)| replace(&arrays, name, values))?;
+    long.into_iter().try_for_each(|array| replace_in_parts(&arrays, array))?;
     if group.link_exists("integers") {
         group.unlink("integers")?;
     }
@@ -50,20 +62,37 @@ fn write_texts(group: &Group, now: &BTreeMap<String, String>) -> Result<()> {
     differ(now, &before).iter().try_for_each(|(name, text)| write_text(&texts, name, text))
 }
 
-/// Writes an array in the place of an earlier one. One that changes its length consists of chunks from then on.
+/// Writes an array in the place of an earlier one.
 fn replace(arrays: &Group, name: &str, values: &[f64]) -> Result<()> {
+    let array = room(arrays, name, values.len())?;
+    if values.is_empty() { Ok(()) } else { array.write_raw(values) }
+}
+
+/// [`replace`] for an array in parts.
+fn replace_in_parts(arrays: &Group, ArrayInParts { name, len, parts }: ArrayInParts<'_>) -> Result<()> {
+    let array = room(arrays, &name, len)?;
+    let mut end = 0;
+    for part in parts.filter(|part| !part.is_empty()) {
+        end += part.len();
+        array.write_slice(&part, end - part.len()..end)?;
+    }
+    if end == len { Ok(()) } else { Err(Error::from(format!("`{name}` has {end} values, {len} were expected"))) }
+}
+
+/// An array of `len` values, the earlier one if there is one. One that changes its length consists of chunks from then on.
+fn room(arrays: &Group, name: &str, len: usize) -> Result<Dataset> {
     if !arrays.link_exists(name) {
-        return constant(arrays, name, values);
+        return arrays.new_dataset::<f64>().obj_track_times(false).shape(len).create(name);
     }
     let mut array = arrays.dataset(name)?;
-    if array.size() != values.len() {
+    if array.size() != len {
         if !array.is_resizable() {
             arrays.unlink(name)?;
             array = growing::<f64>(arrays, name, CHUNK, &[])?;
         }
-        array.resize(values.len())?;
+        array.resize(len)?;
     }
-    if values.is_empty() { Ok(()) } else { array.write_raw(values) }
+    Ok(array)
 }
 
 /// Reads the state in the group `parent`.

@@ -1,9 +1,15 @@
-//! One step of a file, and whether it fits the layout.
+//! One step of a file, whole or in parts, and whether it fits the layout.
+
+use std::collections::BTreeMap;
+
+use hdf5::File;
 
 use crate::error::OutputError;
 use crate::layout::{ArraySpec, FieldSpec, FileLayout};
+use crate::result_file::ResultFile;
+use crate::{format, hdf, vtkhdf};
 
-/// One step: the grid and the solution at one time.
+/// One step: the grid and the solution at one time, on all cells or on some.
 #[derive(Debug, Clone, Copy)]
 pub struct Step<'a> {
     /// Time.
@@ -17,21 +23,91 @@ pub struct Step<'a> {
     pub exact: &'a [(&'a str, &'a [f64])],
 }
 
-/// Arrays of values in the order of the layout.
-type Values<'a> = Vec<&'a [f64]>;
-
 impl<'a> Step<'a> {
-    /// Fields and coefficients in the order of the `layout`, all lengths checked.
-    pub(crate) fn in_order(&self, layout: &FileLayout) -> Result<(Values<'a>, Values<'a>), OutputError> {
+    /// Whether every array is there and has the length that the `layout` tells.
+    pub(crate) fn check(&self, layout: &FileLayout) -> Result<(), OutputError> {
         let points = layout.grid.points();
-        checked("points", self.points, 3 * points)?;
-        let field = |field: &FieldSpec| find(self.fields, &field.name, field.components * points);
-        let array = |array: &ArraySpec| find(self.exact, &array.name, array.len());
-        let fields = layout.fields.iter().map(field).collect::<Result<_, _>>()?;
-        let exact = layout.exact.iter().map(array).collect::<Result<_, _>>()?;
-        Ok((fields, exact))
+        checked(POINTS, self.points, 3 * points)?;
+        let field = |field: &FieldSpec| find(self.fields, &field.name, field.components * points).map(drop);
+        let array = |array: &ArraySpec| find(self.exact, &array.name, array.len()).map(drop);
+        layout.fields.iter().try_for_each(field)?;
+        layout.exact.iter().try_for_each(array)
+    }
+
+    /// The fields in the order of the `layout`, for the points of this step.
+    pub(crate) fn fields_in_order(&self, layout: &FileLayout) -> Result<Vec<&'a [f64]>, OutputError> {
+        let points = self.points.len() / 3;
+        layout.fields.iter().map(|field| find(self.fields, &field.name, field.components * points)).collect()
     }
 }
+
+/// A step that is written one part of its cells after the other, in their order. It counts once it is finished: if that does not happen, the
+/// result is published no more.
+#[must_use]
+pub struct StepInParts<'a> {
+    result: &'a mut ResultFile,
+    file: File,
+    time: f64,
+    /// How many values of each array are written.
+    written: BTreeMap<String, usize>,
+}
+
+impl<'a> StepInParts<'a> {
+    pub(crate) fn new(result: &'a mut ResultFile, file: File, time: f64) -> Self {
+        StepInParts { result, file, time, written: BTreeMap::new() }
+    }
+
+    /// Writes the next `part`: points and all fields of some cells, and coefficients, each array of whole entries of its first axis.
+    ///
+    /// # Errors
+    /// [`OutputError::Absent`] or [`OutputError::Length`] if a field is missing or does not fit the points, [`OutputError::Hdf5`] if the part
+    /// cannot be written.
+    pub fn add(&mut self, part: &Step) -> Result<(), OutputError> {
+        let fields = part.fields_in_order(&self.result.layout)?;
+        self.write(part, &fields).map_err(|source| self.result.write_error(source))
+    }
+
+    fn write(&mut self, part: &Step, fields: &[&[f64]]) -> hdf5::Result<()> {
+        let (root, group) = (self.file.group("VTKHDF")?, self.file.group(format::GROUP)?);
+        let layout = &self.result.layout;
+        vtkhdf::append_cells(&root, layout, &self.result.order, part.points, fields)?;
+        *self.written.entry(POINTS.to_owned()).or_default() += part.points.len();
+        let step = vtkhdf::times(&root)?.len();
+        let exact = group.group("exact")?;
+        for (name, values) in part.exact {
+            let Some(array) = layout.exact.iter().find(|array| array.name == *name) else { continue };
+            let row = array.axes.iter().skip(1).map(|axis| axis.length).product::<usize>().max(1);
+            let written = self.written.entry((*name).to_owned()).or_default();
+            hdf::write_rows(&exact.dataset(name)?, step, *written / row, values.len() / row, values)?;
+            *written += values.len();
+        }
+        Ok(())
+    }
+
+    /// Makes the parts a step.
+    ///
+    /// # Errors
+    /// [`OutputError::Length`] if a part is missing, [`OutputError::Hdf5`] if the step cannot be written.
+    pub fn finish(self) -> Result<(), OutputError> {
+        let layout = &self.result.layout;
+        self.is_complete(POINTS, 3 * layout.grid.points())?;
+        layout.exact.iter().try_for_each(|array| self.is_complete(&array.name, array.len()))?;
+        let closed = || vtkhdf::close_step(&self.file.group("VTKHDF")?, self.time, layout);
+        closed().map_err(|source| self.result.write_error(source))?;
+        self.result.keep(self.file);
+        Ok(())
+    }
+
+    fn is_complete(&self, name: &str, expected: usize) -> Result<(), OutputError> {
+        match self.written.get(name).copied().unwrap_or_default() {
+            found if found == expected => Ok(()),
+            found => Err(OutputError::Length { name: name.to_owned(), expected, found }),
+        }
+    }
+}
+
+/// What the points are called in messages.
+const POINTS: &str = "points";
 
 fn find<'a>(arrays: &[(&str, &'a [f64])], name: &str, length: usize) -> Result<&'a [f64], OutputError> {
     match arrays.iter().find(|array| array.0 == name) {

@@ -42,10 +42,11 @@ impl ViewerFile {
     /// # Errors
     /// [`OutputError::Absent`] or [`OutputError::Length`] if it does not fit the layout, [`OutputError::Hdf5`] if it cannot be written.
     pub fn append(&self, step: &Step) -> Result<(), OutputError> {
-        let (fields, _) = step.in_order(&self.layout)?;
+        step.check(&self.layout)?;
+        let fields = step.fields_in_order(&self.layout)?;
         let write = || {
             let root = self.file.group("VTKHDF")?;
-            vtkhdf::append_step(&root, &self.layout, &self.order, step, &fields)?;
+            vtkhdf::append_cells(&root, &self.layout, &self.order, step.points, &fields)?;
             vtkhdf::close_step(&root, step.time, &self.layout)
         };
         write().map_err(|source| write_error(&self.path, source))

@@ -10,7 +10,6 @@ use hdf5::{Error, Group, Result};
 use crate::hdf::{append, constant, growing, indices, write_integer};
 use crate::lagrange::in_vtk_order;
 use crate::layout::{FieldSpec, FileLayout, Grid};
-use crate::step::Step;
 
 const LAGRANGE_CURVE: u8 = 68;
 const LAGRANGE_QUADRILATERAL: u8 = 70;
@@ -83,19 +82,19 @@ pub(crate) fn times(root: &Group) -> Result<Vec<f64>> {
     root.dataset("Steps/Values")?.read_raw()
 }
 
-/// Appends points and `fields` of a step, in the order of the layout. `order` comes from [`crate::vtk_order`].
-pub(crate) fn append_step(
+/// Appends points and `fields` of cells, in the order of the layout. `order` comes from [`crate::vtk_order`].
+pub(crate) fn append_cells(
     root: &Group,
     layout: &FileLayout,
     order: &[usize],
-    step: &Step,
+    points: &[f64],
     fields: &[&[f64]],
 ) -> Result<()> {
-    append(&root.dataset("Points")?, layout.grid.points(), &in_vtk_order(order, step.points, 3))?;
+    append(&root.dataset("Points")?, points.len() / 3, &in_vtk_order(order, points, 3))?;
     let point_data = root.group("PointData")?;
     for (field, values) in layout.fields.iter().zip(fields) {
         let values = in_vtk_order(order, values, field.components);
-        append(&point_data.dataset(&field.name)?, layout.grid.points(), &values)?;
+        append(&point_data.dataset(&field.name)?, points.len() / 3, &values)?;
     }
     Ok(())
 }

@@ -53,7 +53,7 @@ impl Slab {
             Field { numbers: numbers.clone(), shape: vec![times, nodes, components] }
         };
         let past = state.past.as_ref();
-        let flow = past.zip(now.shape("flow")).map(|(past, shape)| Field { numbers: past.u.clone(), shape });
+        let flow = (now.flow)().zip(now.shape("flow")).map(|(numbers, shape)| Field { numbers, shape });
         Slab {
             number: state.slab,
             time: state.time,

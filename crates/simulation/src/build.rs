@@ -71,24 +71,6 @@ where
     operator
 }
 
-/// An operator on all cells of a case for what is measured of the flow, on the mesh at rest at the start.
-pub fn measuring_operator<const D: usize, const M: usize>(
-    case: &Case<D>,
-    flow: &Flow<D>,
-    mover: &MeshMover<D>,
-) -> SlabOperator<D, M>
-where
-    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
-{
-    let orders = Orders { flow: flow.order, mesh: case.mesh.order(), time: case.time.order };
-    let numbering = mover.numbering.clone();
-    let mut operator = SlabOperator::for_measuring(problem(flow), &case.mesh, numbering, orders, flow.quadrature);
-    operator.set_displacement(&mover.displacement_at_start(case.time.start));
-    operator
-}
-
 /// The march on the cells of `share`.
 ///
 /// # Errors

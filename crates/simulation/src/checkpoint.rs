@@ -8,6 +8,15 @@ use coupled::{Interval, JacobianReusePolicy, Linearisation, Past, State};
 use output::{Arrays, SolverState};
 use std::sync::Arc;
 
+/// The array of the flow at the time of the checkpoint.
+pub const FLOW: &str = "flow";
+/// The array of the determinants that slabs carry on.
+pub const DETERMINANTS: &str = "determinants";
+/// The array of the flow in the last slab.
+pub const PAST_FLOW: &str = "past.flow";
+/// The array of the flow that the preconditioner is made of.
+pub const FROZEN_FLOW: &str = "frozen.flow";
+
 /// `state`, and the linearisation of the preconditioner, as named arrays.
 pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> SolverState {
     let mut out = SolverState::default();
@@ -25,17 +34,17 @@ pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> Solv
     let pending = state.pending.iter().flat_map(numbers).collect();
     let mut share = |name: &str, values: Arc<Vec<f64>>| drop(out.arrays.insert(name.to_string(), values));
     if let Some(past) = &state.past {
-        share("past.flow", past.u.clone());
+        share(PAST_FLOW, past.u.clone());
         share("past.mesh_velocity", past.v.clone());
     }
     if let Some(frozen) = frozen {
-        share("frozen.flow", frozen.state.clone());
+        share(FROZEN_FLOW, frozen.state.clone());
     }
     let mut put = |name: &str, values: Vec<f64>| share(name, Arc::new(values));
     put("time", vec![state.time]);
-    put("flow", state.u.clone());
+    put(FLOW, state.u.clone());
     put("displacement", state.d.clone());
-    put("determinants", state.determinants.clone());
+    put(DETERMINANTS, state.determinants.clone());
     put("pending", pending);
     put("failed", state.failed.iter().flat_map(numbers).collect());
     put("step", vec![state.step]);
@@ -83,9 +92,9 @@ pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Linearis
         nominal: integer("nominal")?,
         rejected: integer("rejected").unwrap_or_default(),
         time: *array("time")?.first()?,
-        u: array("flow")?,
+        u: array(FLOW)?,
         d: array("displacement")?,
-        determinants: array("determinants").unwrap_or_default(),
+        determinants: array(DETERMINANTS).unwrap_or_default(),
         bodies: bodies(&stored.arrays, "body"),
         past: past(&stored.arrays),
         pending: array("pending")?.chunks_exact(3).map(interval).collect(),

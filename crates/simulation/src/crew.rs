@@ -4,11 +4,15 @@
 //! |---|---|
 //! | build | make the march of their share |
 //! | restore | take their part of a state, and of what the preconditioner is made of |
-//! | search the steady flow | do so; rank 0 receives the flow of all |
-//! | release bodies | let bodies go from the steady flow; rank 0 receives the state of all |
-//! | advance | attempt to solve a slab; rank 0 receives the flow of all |
-//! | store | send what the preconditioner is made of to rank 0 |
+//! | search the steady flow | do so |
+//! | release bodies | let bodies go from the steady flow |
+//! | advance | attempt to solve a slab |
+//! | send | send numbers of cells to rank 0 |
+//! | send places | send the order of elimination to rank 0 |
+//! | integrate, add up, measure | send integrals, sums, errors of the flow to rank 0 |
 //! | finish | end |
+//!
+//! No rank has the whole flow. Rank 0 receives the cells that it observes, and for files one part of all cells after the other.
 //!
 //! The mesh, its motion, bodies and structures are on all ranks: each solves for them alike, to the same bits. After every slab the ranks
 //! compare these.
@@ -18,35 +22,32 @@ mod orders;
 mod parts;
 
 pub use agreement::agree;
-pub use orders::Orders;
+pub use orders::{Order, Orders};
+pub use parts::OfCells;
 
 use super::history::require_distinct_columns;
 use super::memory_estimate::require_memory;
-use super::{Failure, build, checkpoint, controls, fallback, steady_search};
+use super::record::Stored;
+use super::{Failure, build as building, cells, checkpoint, controls, errors, fallback, integrals, steady_search};
 use agreement::{digest, first_other};
-use case::{AnyCase, Case, Flow, State, Steady};
-use coupled::{Equilibrium, FlowMarch, MeshMover, SlabReport, SteadyError, SteadyFlow};
-use fem::{Blocks, Bottom, Share, SlabOperator, StateField};
+use case::{AnyCase, Case, Flow, State};
+use coupled::{FlowMarch, Linearisation, SlabReport};
+use fem::{Blocks, Bottom, Share, StateField};
 use mesh::MeshError;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
-use orders::Order;
-use output::SolverState;
-use parts::{own_linearisation, own_state};
+use output::{ArrayInParts, SolverState};
+use parts::own_linearisation;
 use ranks::{Communicator, Sums};
 use std::borrow::Cow;
-use std::mem::take;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// The number of blocks among the stored numbers.
 const BLOCKS: &str = "blocks";
 
-/// What rank 0 has of the whole flow.
-pub struct Crew<const D: usize, const M: usize> {
-    /// The state of the whole flow.
-    pub state: coupled::State,
-    /// The operator on all cells, for measurements of the flow. It solves nothing.
-    pub operator: SlabOperator<D, M>,
-    /// The block of every cell.
+/// What rank 0 orders. On one rank nobody listens.
+pub struct Crew {
+    /// The block of every cell; empty where the mesh is one block.
     blocks: Vec<usize>,
     orders: Arc<Orders>,
 }
@@ -60,131 +61,124 @@ fn blocks<const D: usize>(case: &Case<D>) -> Result<Blocks, MeshError> {
     Ok(Blocks { of_cell, groups: case.stages })
 }
 
-impl<const D: usize, const M: usize> Crew<D, M>
+/// Has all ranks build the march of their share.
+///
+/// # Errors
+/// Those of the mesh, and a shortage of memory, of any rank.
+pub fn build<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    orders: &Arc<Orders>,
+) -> Result<(FlowMarch<D, M>, Crew), Failure>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
     State<D>: ExactState<D, M>,
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
-    /// Has all ranks build the march of their share. No crew where the mesh is one block.
-    ///
-    /// # Errors
-    /// Those of the mesh, and a shortage of memory, of any rank.
-    pub fn build(
-        case: &Case<D>,
-        flow: &Flow<D>,
-        orders: &Arc<Orders>,
-    ) -> Result<(FlowMarch<D, M>, Option<Self>), Failure> {
-        orders.give(Order::Build, None);
-        let march = march::<D, M>(case, flow, orders.communicator())?;
-        if case.blocks == 1 {
-            return Ok((march, None));
-        }
-        let mover: &MeshMover<D> = &march.solver.system.mesh.mover;
-        let operator = build::measuring_operator::<D, M>(case, flow, mover);
-        let u = build::initial(case, flow, &operator, mover);
-        let state = coupled::State { u, ..march.state.clone() };
-        let blocks = blocks(case).map_err(Failure::bad_input)?.of_cell;
-        Ok((march, Some(Crew { state, operator, blocks, orders: orders.clone() })))
-    }
+    orders.give(Order::Build, None);
+    let march = march::<D, M>(case, flow, orders.communicator())?;
+    let blocks = if case.blocks == 1 { Vec::new() } else { blocks(case).map_err(Failure::bad_input)?.of_cell };
+    Ok((march, Crew { blocks, orders: orders.clone() }))
+}
 
+impl Crew {
     /// Has all ranks take their parts of the state, and of a linearisation if there is one. A `flow` that the state has in a split form
     /// becomes that one. `None` if this rank cannot take it.
-    pub fn restore(
-        &mut self,
+    pub fn restore<const D: usize, const M: usize>(
+        &self,
         case: &Case<D>,
         flow: &mut Cow<'_, Flow<D>>,
         stored: &SolverState,
         march: &mut FlowMarch<D, M>,
-    ) -> Option<()> {
-        self.orders.give(Order::Restore, Some(stored));
-        if restore(case, flow, stored, march)? {
-            self.operator = build::measuring_operator::<D, M>(case, flow, &march.solver.system.mesh.mover);
+    ) -> Option<()>
+    where
+        NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+        Exact<State<D>>: StateField<D, M>,
+        Manufactured<State<D>, D>: StateField<D, M>,
+    {
+        if march.solver.system.flow.operator.share.is_whole() {
+            return restore(case, flow, stored, march);
         }
-        Some(())
+        let common = parts::without_arrays(stored, case.mesh.n_cells())?;
+        self.orders.give(Order::Restore, Some(&common));
+        let own = parts::with_own_arrays(common, Some(stored), &march.solver.system.flow.operator.share);
+        restore(case, flow, &own, march)
     }
 
     /// Has all ranks attempt the next slab.
     ///
     /// # Errors
     /// As [`coupled::March::attempt`], alike on all ranks; other bits of the mesh on another rank.
-    pub fn advance(&mut self, case: &Case<D>, march: &mut FlowMarch<D, M>) -> anyhow::Result<Option<SlabReport<M>>> {
+    pub fn advance<const D: usize, const M: usize>(
+        &self,
+        case: &Case<D>,
+        march: &mut FlowMarch<D, M>,
+    ) -> anyhow::Result<Option<SlabReport<M>>> {
         self.orders.give(Order::Advance, controls::told(case).as_ref());
-        let report = advance(march);
-        if matches!(report, Ok(Some(_))) {
-            parts::join_state(march, &mut self.state);
-        } else {
-            let coupled::State { u, past, determinants, .. } = &mut self.state;
-            let (u, past, determinants) = (take(u), take(past), take(determinants));
-            self.state = coupled::State { u, past, determinants, ..march.state.clone() };
-        }
-        report
+        advance(march)
     }
 
-    /// Has all ranks search the steady flow.
-    ///
-    /// # Errors
-    /// As [`steady_search::search`], alike on all ranks.
-    pub fn search_steady_flow(
-        &mut self,
-        case: &Case<D>,
-        flow: &Flow<D>,
-        steady: &Steady,
-        march: &mut FlowMarch<D, M>,
-    ) -> Result<SteadyFlow<M>, SteadyError> {
-        self.search(Order::SearchSteadyFlow, march, |march| steady_search::search(case, flow, steady, march))
-    }
-
-    /// Has all ranks let bodies go from the steady flow.
-    ///
-    /// # Errors
-    /// As [`steady_search::release_bodies`], alike on all ranks.
-    pub fn release_bodies(
-        &mut self,
-        case: &Case<D>,
-        flow: &Flow<D>,
-        steady: &Steady,
-        march: &mut FlowMarch<D, M>,
-    ) -> anyhow::Result<Equilibrium<M>> {
-        let release = |march: &mut _| steady_search::release_bodies(case, flow, steady, march);
-        let found = self.search(Order::ReleaseBodies, march, release);
-        self.operator.set_displacement(&self.state.d);
-        found
-    }
-
-    /// Has all ranks take part in a search, and joins the state that it leaves.
-    fn search<R>(
-        &mut self,
-        order: Order,
-        march: &mut FlowMarch<D, M>,
-        find: impl FnOnce(&mut FlowMarch<D, M>) -> R,
-    ) -> R {
+    /// Has all ranks do `work` for `order`, and does it.
+    pub fn all<R>(&self, order: Order, work: impl FnOnce() -> R) -> R {
         self.orders.give(order, None);
-        let found = find(march);
-        parts::join_state(march, &mut self.state);
-        found
+        work()
     }
 
-    /// The state with what the preconditioners of all ranks are made of.
-    pub fn store(&self, march: &FlowMarch<D, M>) -> SolverState {
-        self.orders.give(Order::Store, None);
+    /// The numbers of some cells, from the blocks that have them.
+    pub fn gather<const D: usize, const M: usize>(
+        &self,
+        march: &FlowMarch<D, M>,
+        of: OfCells,
+        cells: &[usize],
+    ) -> Vec<f64> {
+        self.orders.give(Order::Send, Some(&parts::request(of, cells)));
+        parts::send(march, of, cells)
+    }
+
+    /// The state with what the preconditioners of all ranks are made of. Where there are several blocks, the numbers of cells are long arrays.
+    pub fn store<'a, const D: usize, const M: usize>(&'a self, march: &'a FlowMarch<D, M>) -> Stored<'a> {
+        let (preconditioner, share) =
+            (&march.solver.system.flow.preconditioner, &march.solver.system.flow.operator.share);
+        if share.is_whole() {
+            return checkpoint::store(&march.state, preconditioner.frozen(), preconditioner.stale).into();
+        }
+        let array = |(of, name): (OfCells, &'static str)| {
+            let len = of.own(march).len() / share.own.len();
+            let part = move |cells: Range<usize>| self.gather(march, of, &cells.collect::<Vec<usize>>());
+            let parts = Box::new(cells::ranges(share.whole_cells(), len).map(part));
+            ArrayInParts { name: name.to_owned(), len: len * share.whole_cells(), parts }
+        };
+        let is_there = |(of, _): &(OfCells, &str)| match of {
+            OfCells::Slab => march.state.past.is_some(),
+            OfCells::Linearised => preconditioner.frozen().is_some(),
+            OfCells::State | OfCells::Determinants => true,
+        };
+        let long = OfCells::ALL.into_iter().filter(is_there).map(array).collect();
+        Stored { state: self.without_cells(march), long }
+    }
+
+    /// The state to store without the numbers of cells.
+    fn without_cells<const D: usize, const M: usize>(&self, march: &FlowMarch<D, M>) -> SolverState {
+        let places = self.all(Order::SendPlaces, || parts::join_places(march));
         let preconditioner = &march.solver.system.flow.preconditioner;
-        let frozen = parts::join_linearisation(march).map(|frozen| parts::in_whole(frozen, &self.blocks));
-        let mut stored = checkpoint::store(&self.state, frozen.as_ref(), preconditioner.stale);
+        let ordering = || parts::whole_ordering(&places, &self.blocks);
+        let frozen = preconditioner.frozen().map(|frozen| Linearisation {
+            state: Arc::default(),
+            ordering: ordering(),
+            ..frozen.clone()
+        });
+        let mut stored = checkpoint::store(&parts::without_flow(&march.state), frozen.as_ref(), preconditioner.stale);
+        OfCells::ALL.iter().for_each(|(_, name)| drop(stored.arrays.remove(*name)));
         stored.integers.insert(BLOCKS.to_owned(), march.solver.system.flow.operator.share.sums.blocks() as i64);
         stored
     }
-
-    /// Puts the operator on the mesh of the last slab, so that the flow can be measured.
-    pub fn look_at_last_slab(&mut self) {
-        look_at_last_slab(&mut self.operator, &self.state);
-    }
 }
 
-/// Puts `operator` on the mesh of the last slab of `state`.
-pub fn look_at_last_slab<const D: usize, const M: usize>(operator: &mut SlabOperator<D, M>, state: &coupled::State) {
-    if let Some(past) = &state.past {
+/// Puts the operator of `march` on the mesh of its last slab.
+pub fn look_at_last_slab<const D: usize, const M: usize>(march: &mut FlowMarch<D, M>) {
+    let operator = &mut march.solver.system.flow.operator;
+    if let Some(past) = &march.state.past {
         let nothing = vec![0.0; operator.layout.at_one_time().len()];
         operator.begin_slab(past.interval.start, past.dt, Bottom::new(&nothing, &past.bottom));
         operator.set_mesh(&past.v);
@@ -244,34 +238,36 @@ where
     Manufactured<State<D>, D>: StateField<D, M>,
 {
     let sums = Arc::new(Sums::new(communicator.clone(), case.blocks));
-    let mover = build::mover_of(case, sums.clone())?;
-    Ok(build::march_of(case, flow, mover, Share::new(&case.mesh, &blocks(case)?, sums))?)
+    let mover = building::mover_of(case, sums.clone())?;
+    Ok(building::march_of(case, flow, mover, Share::new(&case.mesh, &blocks(case)?, sums))?)
 }
 
-/// Takes the own part of a stored state. Returns whether that has the flow in a split form for the first time.
-fn restore<const D: usize, const M: usize>(
+/// Takes a `stored` state of the own cells. A `flow` that it has in a split form becomes that one. `None` if the state does not fit.
+pub fn restore<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &mut Cow<'_, Flow<D>>,
     stored: &SolverState,
     march: &mut FlowMarch<D, M>,
-) -> Option<bool>
+) -> Option<()>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
-    let is_other_form = fallback::follow(case, flow, march, stored).ok()?;
     let (state, frozen, stale) = checkpoint::load(stored, &case.time)?;
+    if state.u.len() != march.state.u.len() || state.d.len() != march.state.d.len() || !march.has_bodies_of(&state) {
+        return None;
+    }
+    fallback::follow(case, flow, march, stored).ok()?;
+    march.state = state;
     // The stages of another partition may join neighbours.
-    let frozen = frozen.filter(|_| stored.integers.get(BLOCKS) == Some(&(case.blocks as i64)));
-    let share = march.solver.system.flow.operator.share.clone();
-    march.state = own_state(state, &share);
-    if let Some(frozen) = frozen {
+    let blocks = stored.integers.get(BLOCKS).map_or(1, |&blocks| blocks as usize);
+    if let Some(frozen) = frozen.filter(|_| blocks == case.blocks) {
+        let share = march.solver.system.flow.operator.share.clone();
         march.solver.system.rebuild(own_linearisation(frozen, &share));
     }
     march.solver.system.flow.preconditioner.stale = stale;
-    Some(is_other_form)
+    Some(())
 }
 
 /// Executes the orders of rank 0, until it orders to finish.
@@ -299,8 +295,9 @@ where
             // An error is that of all ranks; rank 0 tells it.
             (Order::Build, _) => own = march(case, &flow, communicator).ok(),
             (Order::Restore, Some(march)) => {
-                let stored = orders::decode(&state);
-                controls::set_for_preconditioner(case, Some(&stored));
+                let common = orders::decode(&state);
+                controls::set_for_preconditioner(case, Some(&common));
+                let stored = parts::with_own_arrays(common, None, &march.solver.system.flow.operator.share);
                 restore(case, &mut flow, &stored, march);
             }
             (Order::SearchSteadyFlow | Order::ReleaseBodies, Some(march)) => {
@@ -310,16 +307,26 @@ where
                         _ => steady_search::search(case, &flow, steady, march).err().map(Into::into),
                     };
                 }
-                parts::join_state(march, &mut coupled::State::new(0.0, Vec::new(), Vec::new()));
             }
             (Order::Advance, Some(march)) => {
                 controls::hear(case, &orders::decode(&state));
-                if matches!(advance(march), Ok(Some(_))) {
-                    parts::join_state(march, &mut coupled::State::new(0.0, Vec::new(), Vec::new()));
-                }
+                // The error is that of all ranks.
+                let _ = advance(march);
             }
-            (Order::Store, Some(march)) => drop(parts::join_linearisation(march)),
+            (Order::Send, Some(march)) => parts::serve(march, &orders::decode(&state)),
+            (Order::SendPlaces, Some(march)) => drop(parts::join_places(march)),
+            (Order::Integrate, Some(march)) => drop(integrals::of_run(case, &flow, march)),
+            (Order::AddUp, Some(march)) => drop(add_up(march)),
+            (Order::Measure, Some(march)) => drop(errors::of_cells(&flow, march)),
             (_, None) => {}
         }
     }
+}
+
+/// The integrals of the components of the present flow, between two slabs. A collective call.
+pub fn add_up<const D: usize, const M: usize>(march: &mut FlowMarch<D, M>) -> Vec<f64> {
+    let FlowMarch { solver, state, .. } = march;
+    let operator = &mut solver.system.flow.operator;
+    operator.set_displacement(&state.d);
+    coupled::totals(operator, &state.u)
 }

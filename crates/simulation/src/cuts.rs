@@ -1,5 +1,6 @@
 //! The files of lines and slices.
 
+use super::cells::StateSource;
 use super::probes::FlowAtPoints;
 use super::{lines, slices};
 use case::Case;
@@ -44,16 +45,16 @@ pub fn begin<const D: usize>(case: &Case<D>, directory: &Path, reached: Option<R
 /// A file that cannot be written.
 pub fn write<const D: usize, const M: usize>(
     case: &Case<D>,
-    flow: &FlowAtPoints<D>,
+    (flow, source): (&FlowAtPoints<D>, &StateSource),
     directory: &Path,
     (slabs, at_end): (usize, bool),
 ) -> Result<(), OutputError> {
     let is_due = |every: usize| at_end || slabs.is_multiple_of(every);
     for line in case.observed.lines.iter().filter(|line| is_due(line.every)) {
-        LineFile::of(directory, &line.name).append(&lines::rows::<D, M>(flow, line))?;
+        LineFile::of(directory, &line.name).append(&lines::rows::<D, M>(flow, line, source))?;
     }
     for slice in case.observed.slices.iter().filter(|slice| is_due(slice.every)) {
-        let cut = slices::cut::<D, M>(flow, slice);
+        let cut = slices::cut::<D, M>(flow, slice, source);
         SliceSeries::of(directory, &slice.name).append(slabs, flow.time, &cut, slice.csv)?;
     }
     Ok(())

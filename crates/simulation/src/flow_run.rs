@@ -5,19 +5,19 @@ mod steady_start;
 use super::averages::{AlongFiles, AverageSums, FlowAverages, PhaseFile};
 use super::bodies::is_of_body;
 use super::body_record::BodyRecord;
+use super::cells::StateInCells;
 use super::context::{RunContext, Stop};
-use super::crew::{Crew, Orders, look_at_last_slab};
+use super::crew::{self, Crew, OfCells, Order, Orders};
 use super::drive::{Call, Run, drive};
 use super::failure::{Failed, Finding, Grid, Then, by_point};
-use super::integrals::FlowIntegrals;
 use super::opening_states::OpeningStates;
 use super::openings;
 use super::probes::FlowAtPoints;
-use super::record::{MeshView, top};
+use super::record::{MeshView, Stored, top};
 use super::statistics::RunStatistics;
 use super::surfaces::{self, SurfaceFlow};
 use super::walls::wall_loads;
-use super::{checkpoint, controls, cuts, fallback, history, restart, summary};
+use super::{checkpoint, controls, cuts, errors, fallback, history, integrals, restart, summary};
 use crate::destination::Destination;
 use crate::error::Failure;
 use crate::observer::{Observer, SlabDone};
@@ -26,10 +26,11 @@ use basis::Rule;
 use case::{Averages, Case, Flow, State, Wall};
 use coupled::block::BodyState;
 use coupled::{FlowMarch, MarchError, SlabError, SlabReport};
-use fem::{SlabOperator, StateField};
+use fem::{Layout, StateField};
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use output::{ArraySpec, OutputError, RESULT_FILE, ResultReader, Series, SolverState, Summary};
 use std::borrow::Cow;
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -53,7 +54,7 @@ where
 {
     let begun = Instant::now();
     controls::check(case)?;
-    let (march, crew) = Crew::<D, M>::build(case, flow, orders)?;
+    let (march, crew) = crew::build::<D, M>(case, flow, orders)?;
     let origin = match destination.is_resumed() {
         true => None,
         false => restart::read::<D, M>(case, flow, &march.solver.system.mesh.mover)?,
@@ -69,10 +70,10 @@ struct FlowRun<'a, const D: usize, const M: usize> {
     case: &'a Case<D>,
     /// In a split form, once a slab could not be solved without.
     flow: Cow<'a, Flow<D>>,
-    /// Of all cells, or of the share of this rank.
+    /// Of the share of this rank.
     march: FlowMarch<D, M>,
-    /// The whole flow, where the mesh is cut into blocks.
-    crew: Option<Crew<D, M>>,
+    /// All ranks.
+    crew: Crew,
     /// The points of distributions along walls: those of the quadrature at the start, also after a change to a split form.
     surface_rule: Rule,
 }
@@ -84,18 +85,50 @@ where
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
-    /// The operator on all cells.
-    fn operator(&self) -> &SlabOperator<D, M> {
-        self.crew.as_ref().map_or(&self.march.solver.system.flow.operator, |crew| &crew.operator)
+    /// The layout of the flow of all cells in a slab.
+    fn layout(&self) -> Layout {
+        let operator = &self.march.solver.system.flow.operator;
+        Layout { cells: operator.share.whole_cells(), ..operator.layout }
+    }
+
+    /// Numbers of some cells of the whole flow.
+    fn numbers(&self, of: OfCells, cells: Range<usize>) -> Cow<'_, [f64]> {
+        let (share, own) = (&self.march.solver.system.flow.operator.share, of.own(&self.march));
+        if share.is_whole() {
+            let len = own.len() / share.own.len();
+            return Cow::Borrowed(&own[cells.start * len..cells.end * len]);
+        }
+        self.crew.gather(&self.march, of, &cells.collect::<Vec<usize>>()).into()
+    }
+
+    /// The present state in some `cells`.
+    fn state_in(&self, cells: &[usize]) -> StateInCells<'_> {
+        let operator = &self.march.solver.system.flow.operator;
+        let len = operator.layout.time_len();
+        if operator.share.is_whole() {
+            return StateInCells::whole(&self.march.state.u, len);
+        }
+        StateInCells::some(cells, self.crew.gather(&self.march, OfCells::State, cells), len)
+    }
+
+    /// The present state in the cells at some boundaries.
+    fn state_at(&self, is_wanted: impl Fn(usize) -> bool) -> StateInCells<'_> {
+        let facets = self.case.mesh.boundary_facets().iter().filter(|facet| is_wanted(facet.boundary));
+        let mut cells: Vec<usize> = facets.map(|facet| facet.side.cell).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        self.state_in(&cells)
+    }
+
+    /// The present state in the cells at inflows and outflows.
+    fn state_at_openings(&self) -> StateInCells<'_> {
+        self.state_at(|boundary| openings::is_opening(&self.flow.boundary[boundary].condition))
     }
 
     /// The integrals of the present flow, between two slabs.
     fn totals(&mut self) -> Vec<f64> {
-        let d = self.state().d.clone();
-        let operator =
-            self.crew.as_mut().map_or(&mut self.march.solver.system.flow.operator, |crew| &mut crew.operator);
-        operator.set_displacement(&d);
-        coupled::totals(self.operator(), &self.state().u)
+        let FlowRun { crew, march, .. } = self;
+        crew.all(Order::AddUp, || crew::add_up(march))
     }
 
     /// The walls of all bodies, by their number in the list of walls.
@@ -113,7 +146,6 @@ where
             mover,
             displacement: &state.d,
             velocity: state.past.as_ref().map_or(&[][..], |past| top(&past.v, &state.d)),
-            state: &state.u,
             time: state.time,
         }
     }
@@ -121,20 +153,29 @@ where
     /// The mean states at openings, the flow at the points of the case, and its integrals.
     fn observed(&self) -> Vec<f64> {
         let (state, mover) = (self.state(), &self.march.solver.system.mesh.mover);
-        let (order, gas) = (self.flow.order, &self.flow.law.gas);
-        let one = self.operator().layout.at_one_time();
-        let integrals = FlowIntegrals::<D> {
-            orders: [order, self.case.mesh.order()],
-            cells: one.cells,
-            positions: &|cell| mover.cell_positions(cell, &state.d),
-            state: &|cell| &state.u[one.cell(cell)],
-            gas,
-        };
         let velocity = state.past.as_ref().map_or(&[][..], |past| top(&past.v, &state.d));
-        let motion = [&state.d[..], velocity];
-        let at_openings = OpeningStates { flow: &self.flow, mover, motion, state: &|cell| &state.u[one.cell(cell)] };
-        let (at_openings, at_points) = (at_openings.row::<M>(), self.at_points().row::<M>(&self.case.observed.probes));
-        [at_openings, at_points, integrals.values::<M>(&self.case.output.integrals)].concat()
+        let at_openings = match history::openings(&self.flow).next() {
+            Some(_) => {
+                let (motion, state) = ([&state.d[..], velocity], &self.state_at_openings());
+                OpeningStates { flow: &self.flow, mover, motion, state }.row::<M>()
+            }
+            None => Vec::new(),
+        };
+        let at_points = match &self.case.observed.probes[..] {
+            [] => Vec::new(),
+            probes => self.at_points().row::<M>(probes, &|cells| self.state_in(&cells)),
+        };
+        [at_openings, at_points, self.integrals()].concat()
+    }
+
+    /// The integrals that the case asks for.
+    fn integrals(&self) -> Vec<f64> {
+        let count = self.case.output.integrals.len();
+        if count == 0 {
+            return Vec::new();
+        }
+        let of_cells = || integrals::of_run(self.case, &self.flow, &self.march);
+        integrals::sums(&self.crew.all(Order::Integrate, of_cells), count)
     }
 
     /// Measures inflows and outflows, and reports each observation once.
@@ -142,15 +183,14 @@ where
         if !self.flow.boundary.iter().any(|data| openings::is_opening(&data.condition)) {
             return;
         }
-        let (state, mover, one) =
-            (self.state(), &self.march.solver.system.mesh.mover, self.operator().layout.at_one_time());
+        let (state, mover, there) = (self.state(), &self.march.solver.system.mesh.mover, self.state_at_openings());
         let grid = Grid::new(&mover.reference, &mover.numbering, self.flow.order);
         let still = vec![0.0; state.d.len()];
         let then = Then {
             time: state.time,
             displacement: &state.d,
             velocity: state.past.as_ref().map_or(&still[..], |past| top(&past.v, &state.d)),
-            state: &|cell, _| by_point(&grid.sampler.state(&state.u[one.cell(cell)])),
+            state: &|cell, _| by_point(&grid.sampler.state(there.of(cell))),
         };
         let seen = openings::measure(&self.flow, &mover.reference, &grid, &then);
         for record in openings::enter(&mut context.statistics.openings, &seen, state.time) {
@@ -161,7 +201,7 @@ where
 
     /// Drops the averages of a run that this one continues, if their settings or orders differ.
     fn begin_averages(&self, sums: &mut AverageSums) {
-        let layout = self.operator().layout;
+        let layout = self.layout();
         let fits = |wanted: &Averages| sums.fits::<D>(wanted, layout.cells, layout.nodes);
         if self.case.averages.as_ref().is_some_and(fits) {
             return;
@@ -175,9 +215,10 @@ where
     /// Adds the last slab to the averages.
     fn average(&self, sums: &mut AverageSums) {
         if let (Some(wanted), Some(past)) = (&self.case.averages, &self.state().past) {
-            let (layout, gas) = (self.operator().layout, &self.flow.law.gas);
+            let (layout, gas) = (self.layout(), &self.flow.law.gas);
             let mover = &self.march.solver.system.mesh.mover;
-            FlowAverages { wanted, mover, layout, order: self.flow.order, gas }.add::<M>(past, sums);
+            let averages = FlowAverages { wanted, mover, layout, order: self.flow.order, gas };
+            averages.add::<M>(past, &|cells| self.numbers(OfCells::Slab, cells), sums);
         }
     }
 
@@ -240,16 +281,13 @@ where
     type Report = SlabReport<M>;
 
     fn state(&self) -> &coupled::State {
-        self.crew.as_ref().map_or(&self.march.state, |crew| &crew.state)
+        &self.march.state
     }
     fn is_done(&self) -> bool {
         self.march.is_done()
     }
     fn advance(&mut self) -> anyhow::Result<Option<SlabReport<M>>> {
-        Ok(match &mut self.crew {
-            None => self.march.attempt()?,
-            Some(crew) => crew.advance(self.case, &mut self.march)?,
-        })
+        self.crew.advance(self.case, &mut self.march)
     }
     fn can_fall_back(&self) -> bool {
         fallback::split_form(self.case, &self.flow).is_some()
@@ -268,11 +306,25 @@ where
         statistics.rebase_bodies(&self.march.bodies(), &self.walls_of_bodies());
     }
 
-    fn slab_at_start(&self) -> [Vec<f64>; 2] {
-        let (layout, state) = (self.operator().layout, self.state());
-        let one = layout.at_one_time();
-        let cell = |cell| (0..layout.time_order).flat_map(move |_| state.u[one.cell(cell)].iter().copied());
-        [vec![0.0; state.d.len() * layout.time_order], (0..layout.cells).flat_map(cell).collect()]
+    fn velocities_at_start(&self) -> Vec<f64> {
+        vec![0.0; self.state().d.len() * self.case.time.order]
+    }
+
+    fn flow_of_slab(&self, cells: Range<usize>) -> Cow<'_, [f64]> {
+        if self.state().past.is_some() {
+            return self.numbers(OfCells::Slab, cells);
+        }
+        let layout = self.layout();
+        let state = self.numbers(OfCells::State, cells);
+        state.chunks_exact(layout.time_len()).flat_map(|cell| cell.repeat(layout.time_order)).collect()
+    }
+
+    fn whole_flow_of_slab(&self) -> Option<Arc<Vec<f64>>> {
+        let past = self.state().past.as_ref()?;
+        if self.march.solver.system.flow.operator.share.is_whole() {
+            return Some(past.u.clone());
+        }
+        Some(Arc::new(self.numbers(OfCells::Slab, 0..self.layout().cells).into_owned()))
     }
 
     fn open(&mut self, context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
@@ -313,60 +365,37 @@ where
         [row, self.observed()].concat()
     }
 
-    fn store(&self) -> SolverState {
-        let system = &self.march.solver.system;
-        let preconditioner = &system.flow.preconditioner;
-        let mut stored = match &self.crew {
-            Some(crew) => crew.store(&self.march),
-            None => checkpoint::store(&self.march.state, preconditioner.frozen(), preconditioner.stale),
-        };
-        checkpoint::store_attempts(&mut stored, system.counts());
+    fn store(&self) -> Stored<'_> {
+        let mut stored = self.crew.store(&self.march);
+        checkpoint::store_attempts(&mut stored.state, self.march.solver.system.counts());
         stored
     }
 
     fn restore(&mut self, stored: &SolverState) -> Option<()> {
-        let (state, frozen, stale) = checkpoint::load(stored, &self.case.time)?;
-        let (cells, march) = (self.state().u.len(), &mut self.march);
         if let Some(counts) = checkpoint::attempts(stored) {
-            march.solver.system.set_counts(counts);
+            self.march.solver.system.set_counts(counts);
         }
-        if state.u.len() != cells || state.d.len() != march.state.d.len() || !march.has_bodies_of(&state) {
-            return None;
-        }
-        if let Some(crew) = &mut self.crew {
-            crew.restore(self.case, &mut self.flow, stored, march)?;
-            crew.state = state;
-            return Some(());
-        }
-        fallback::follow(self.case, &mut self.flow, march, stored).ok()?;
-        march.state = state;
-        if let Some(frozen) = frozen {
-            march.solver.system.rebuild(frozen);
-        }
-        march.solver.system.flow.preconditioner.stale = stale;
-        Some(())
+        self.crew.restore(self.case, &mut self.flow, stored, &mut self.march)
     }
 
     fn summary(&mut self, context: &RunContext, stop: Option<&Stop>) -> Summary {
-        match &mut self.crew {
-            Some(crew) => crew.look_at_last_slab(),
-            // A resumed run that has nothing left to do has not been on that mesh.
-            None if context.slabs == 0 => {
-                look_at_last_slab(&mut self.march.solver.system.flow.operator, &self.march.state);
-            }
-            None => {}
-        }
-        let whole = summary::WholeFlow { operator: self.operator(), state: self.state(), march: &self.march };
-        summary::of_flow(self.case, &self.flow, &whole, context, stop)
+        let FlowRun { case, flow, march, crew, .. } = self;
+        let errors = match errors::are_known(flow) {
+            true => crew.all(Order::Measure, || errors::of_cells(flow, march)),
+            false => Vec::new(),
+        };
+        summary::of_flow(case, flow, (march, &errors), context, stop)
     }
 
     fn examine(&self, error: &anyhow::Error, statistics: &RunStatistics) -> Finding {
-        Failed::new((self.case, &self.flow), &self.march, self.state(), error, &statistics.openings).examine()
+        let last = self.state_in(&(0..self.layout().cells).collect::<Vec<usize>>());
+        Failed::new((self.case, &self.flow), (&self.march, &last), error, &statistics.openings).examine()
     }
 
     fn cut(&self, directory: &Path, at_end: bool) -> Result<(), OutputError> {
         let _timed = tracing::trace_span!(target: "cost", "output").entered();
-        cuts::write::<D, M>(self.case, &self.at_points(), directory, (self.state().slab, at_end))
+        let source = |cells: Vec<usize>| self.state_in(&cells);
+        cuts::write::<D, M>(self.case, (&self.at_points(), &source), directory, (self.state().slab, at_end))
     }
 
     fn leave(&self, directory: &Path, statistics: &RunStatistics) -> anyhow::Result<()> {
@@ -375,8 +404,10 @@ where
     }
 
     fn surfaces(&self) -> Vec<(ArraySpec, Vec<f64>)> {
-        let operator = self.operator();
-        let (state, one) = (self.state(), operator.layout.at_one_time());
+        if self.listed_walls().next().is_none() {
+            return Vec::new();
+        }
+        let state = self.state();
         let still = vec![0.0; state.d.len()];
         let surfaces = SurfaceFlow {
             flow: &self.flow,
@@ -384,7 +415,7 @@ where
             mover: &self.march.solver.system.mesh.mover,
             displacement: &state.d,
             velocity: state.past.as_ref().map_or(&still[..], |past| top(&past.v, &state.d)),
-            state: &|cell| &state.u[one.cell(cell)],
+            state: &self.state_at(|boundary| self.listed_walls().any(|wall| wall.boundary == boundary)),
             rule: &self.surface_rule,
         };
         self.listed_walls().map(|wall| surfaces.of_wall::<M>(wall)).collect()

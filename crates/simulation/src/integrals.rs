@@ -8,40 +8,57 @@
 //! The kinetic energy K, the enstrophy E of the vorticity omega, the entropy S, and the momentum P. They are integrated by Gauss points, three for two
 //! nodes. `inner_product::sum` adds the cells, so the sums have the same bits for any number of threads.
 
-use case::{Field, Integral};
+use case::{Case, Field, Flow, Integral};
+use coupled::FlowMarch;
 use fem::Sampler;
 use navier_stokes::{Gas, Primitive};
 use newton_krylov::inner_product;
 use rayon::prelude::*;
 use report::fields::{self, CellSample, Medium};
 
+/// The integrals that `case` asks for, over each cell of the present flow of all ranks, `[cell][integral]`, on rank 0. A collective call.
+pub fn of_run<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>, march: &FlowMarch<D, M>) -> Vec<f64> {
+    let (state, system, wanted) = (&march.state, &march.solver.system, &case.output.integrals);
+    let (share, one) = (&system.flow.operator.share, system.flow.operator.layout.at_one_time());
+    let mover = &system.mesh.mover;
+    let integrals = FlowIntegrals::<D> {
+        orders: [flow.order, case.mesh.order()],
+        cells: one.cells,
+        positions: &|cell| mover.cell_positions(share.own[cell], &state.d),
+        state: &|cell| &state.u[one.cell(cell)],
+        gas: &flow.law.gas,
+    };
+    share.join(&integrals.of_cells::<M>(wanted).concat())
+}
+
+/// The sums of `count` integrals over all cells.
+pub fn sums(of_cells: &[f64], count: usize) -> Vec<f64> {
+    let sum = |k: usize| inner_product::sum(&of_cells.iter().skip(k).step_by(count).copied().collect::<Vec<f64>>());
+    (0..count).map(sum).collect()
+}
+
 /// The flow of a run at one time.
-pub struct FlowIntegrals<'a, const D: usize> {
+struct FlowIntegrals<'a, const D: usize> {
     /// Nodes per direction of flow and mesh.
-    pub orders: [usize; 2],
+    orders: [usize; 2],
     /// Number of cells.
-    pub cells: usize,
+    cells: usize,
     /// The positions of the nodes of a cell, `[component][node]`.
-    pub positions: &'a (dyn Fn(usize) -> Vec<f64> + Sync),
+    positions: &'a (dyn Fn(usize) -> Vec<f64> + Sync),
     /// The state of a cell, `[component][node]`.
-    pub state: &'a (dyn Fn(usize) -> &'a [f64] + Sync),
+    state: &'a (dyn Fn(usize) -> &'a [f64] + Sync),
     /// The gas.
-    pub gas: &'a Gas,
+    gas: &'a Gas,
 }
 
 impl<const D: usize> FlowIntegrals<'_, D> {
-    /// The `wanted` integrals.
-    pub fn values<const M: usize>(&self, wanted: &[Integral]) -> Vec<f64> {
-        if wanted.is_empty() {
-            return Vec::new();
-        }
+    /// The `wanted` integrals over each cell.
+    fn of_cells<const M: usize>(&self, wanted: &[Integral]) -> Vec<Vec<f64>> {
         let rule = basis::gauss((3 * self.orders[0]).div_ceil(2).max(self.orders[1]));
         let sampler = Sampler::<D>::new(self.orders[0], self.orders[1], &rule.points);
         let weights = rule.tensor_weights(D);
         let of_cell = |cell: usize| self.of_cell::<M>(cell, &sampler, &weights, wanted);
-        let cells: Vec<Vec<f64>> = (0..self.cells).into_par_iter().map(of_cell).collect();
-        let sum = |k: usize| inner_product::sum(&cells.iter().map(|cell| cell[k]).collect::<Vec<f64>>());
-        (0..wanted.len()).map(sum).collect()
+        (0..self.cells).into_par_iter().map(of_cell).collect()
     }
 
     fn of_cell<const M: usize>(

@@ -34,6 +34,8 @@
 //! | `probes`, `lines`, `slices` | the flow at points, along lines and in planes |
 //! | `cuts` | the files of lines and slices |
 //! | `walls` | loads of walls |
+//! | `cells` | numbers of the flow in some cells, wherever they are |
+//! | `errors` | errors of the flow where the exact flow is known |
 //! | `stored_field`, `cell_finder` | fields of a result file at points |
 //!
 //! A case in memory, run slab by slab:
@@ -138,6 +140,7 @@ mod body_checks;
 mod body_record;
 mod build;
 mod cell_finder;
+mod cells;
 mod checkpoint;
 pub mod clock;
 mod context;
@@ -148,6 +151,7 @@ mod destination;
 mod drive;
 mod elastic_body;
 mod error;
+mod errors;
 mod failure;
 mod fallback;
 mod flow_run;
@@ -191,7 +195,7 @@ pub use destination::{Destination, Existing};
 pub use drive::{motion, run, run_on};
 pub use error::Failure;
 pub use memory_estimate::{MemoryEstimate, PROGRAM_BYTES, require_memory, typical_iterations};
-pub use observer::{NextStep, Observer, Positions, RunState, SlabDone};
+pub use observer::{NextStep, Observer, Positions, RunState, SlabDone, SlabFlow};
 pub use openings::{Misuse, Record as OpeningRecord, Seen as OpeningSeen};
 pub use preflight::Preflight;
 pub use probe::{MeshOverRun, ProbeError, Timing};

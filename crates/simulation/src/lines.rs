@@ -1,7 +1,8 @@
 //! The flow along straight lines.
 
 use super::cell_finder::CellFinder;
-use super::probes::{FlowAtPoints, names};
+use super::cells::StateSource;
+use super::probes::{FlowAtPoints, names, state_at};
 use case::{FieldFormula, Line};
 use rayon::prelude::*;
 use tensor::norm;
@@ -13,22 +14,28 @@ pub fn columns<const D: usize>(line: &Line<D>, formulas: &[FieldFormula]) -> Vec
 }
 
 /// A row for each point; values are NaN where there is no mesh.
-pub fn rows<const D: usize, const M: usize>(flow: &FlowAtPoints<D>, line: &Line<D>) -> Vec<Vec<f64>> {
+pub fn rows<const D: usize, const M: usize>(
+    flow: &FlowAtPoints<D>,
+    line: &Line<D>,
+    source: &StateSource,
+) -> Vec<Vec<f64>> {
     let cells = finder(flow, line.carried);
+    let places: Vec<Option<(usize, [f64; D])>> = line.points.par_iter().map(|point| cells.find(point)).collect();
+    let state = state_at(source, &places);
     let count = names::<D>(&line.fields, flow.formulas).count();
-    let row = |point: &[f64; D]| {
+    let row = |(point, place): (&[f64; D], &Option<(usize, [f64; D])>)| {
         let start = line.points[0];
         let s = norm(&std::array::from_fn::<f64, D, _>(|i| point[i] - start[i]));
-        let (x, values) = match cells.find(point) {
+        let (x, values) = match place {
             Some((cell, xi)) => {
-                let cell = flow.cell(cell);
-                (if line.carried { cell.position(&xi) } else { *point }, cell.values::<M>(&xi, &line.fields))
+                let cell = flow.cell(*cell);
+                (if line.carried { cell.position(xi) } else { *point }, cell.values::<M>(&state, xi, &line.fields))
             }
             None => (*point, vec![f64::NAN; count]),
         };
         [&[flow.time, s][..], &x, &values].concat()
     };
-    line.points.par_iter().map(row).collect()
+    line.points.par_iter().zip(&places).map(row).collect()
 }
 
 /// Finds the cells of points, with the cells as they are, or at rest.

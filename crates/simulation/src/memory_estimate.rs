@@ -27,10 +27,6 @@ const VECTORS: usize = 12;
 /// The same for the unknowns of an elastic mesh, in addition to every mesh.
 const VECTORS_OF_MESH: usize = 6;
 
-/// The number of vectors as long as the unknowns of the whole flow in a slab that the first of several ranks has: the last slab, and fields for the
-/// result file.
-const VECTORS_OF_FIRST: usize = 4;
-
 /// The count of numbers in single precision per entry of a block while a thread inverts it: its parts, panels of their rows, and the data for
 /// neighbours.
 const NUMBERS_TO_INVERT: usize = 11;
@@ -114,21 +110,20 @@ impl MemoryEstimate {
         }
     }
 
-    /// Of one of several ranks: its part of the flow, and all of the mesh. The first one also has the state of the whole flow.
+    /// Of one of several ranks: its part of the flow, and all of the mesh. The first one also has the averages of the whole flow.
     fn of_rank<const D: usize>(case: &Case<D>, rank: usize, ranks: usize) -> Self {
         let whole = MemoryEstimate::of_flow(case);
         if ranks == 1 {
             return whole;
         }
-        let of_flow = if rank == 0 { 8 * case.flow_unknowns() * VECTORS_OF_FIRST } else { 0 };
         MemoryEstimate {
             jacobian: whole.jacobian / ranks,
             factors: whole.factors / ranks,
-            vectors: whole.vectors / ranks + of_flow,
+            vectors: whole.vectors / ranks,
             most_krylov: whole.most_krylov / ranks,
             mesh: whole.mesh,
             averages: if rank == 0 { whole.averages } else { 0 },
-            steady: whole.steady.map(|[flow, mesh]| [flow / ranks + of_flow, mesh]),
+            steady: whole.steady.map(|[flow, mesh]| [flow / ranks, mesh]),
         }
     }
 

@@ -3,7 +3,7 @@
 use super::context::{RunContext, Stop};
 use super::drive::{Call, Run, drive};
 use super::failure::{self, FailureReport, Finding, examine_inverted, examine_mesh};
-use super::record::MeshView;
+use super::record::{MeshView, Stored};
 use super::statistics::FirstInvalid;
 use super::{build, checkpoint, history, summary};
 use crate::destination::Destination;
@@ -72,8 +72,8 @@ impl<const D: usize> Run for MeshRun<'_, D> {
         }
         Ok(Some(report))
     }
-    fn slab_at_start(&self) -> [Vec<f64>; 2] {
-        [vec![0.0; self.march.state.d.len() * self.case.time.order], Vec::new()]
+    fn velocities_at_start(&self) -> Vec<f64> {
+        vec![0.0; self.march.state.d.len() * self.case.time.order]
     }
 
     fn enter(&self, report: &MeshReport, context: &mut RunContext) -> Vec<f64> {
@@ -89,8 +89,8 @@ impl<const D: usize> Run for MeshRun<'_, D> {
         history::row_of_mesh(*interval, work.iterations, quality)
     }
 
-    fn store(&self) -> SolverState {
-        checkpoint::store(&self.march.state, None, false)
+    fn store(&self) -> Stored<'_> {
+        checkpoint::store(&self.march.state, None, false).into()
     }
 
     fn restore(&mut self, stored: &SolverState) -> Option<()> {

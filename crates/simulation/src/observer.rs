@@ -24,6 +24,10 @@ pub struct SlabDone {
 /// The positions of the nodes of a mesh, `[cell][component][node]`, as a function of its displacement, `[C0 node][component]`.
 pub type Positions = dyn Fn(&[f64]) -> Vec<f64> + Send + Sync;
 
+/// The flow in the last slab, `[cell][time node][component][node]`; none in a run without a flow. It is brought together where several ranks have
+/// it, otherwise it is shared.
+pub type SlabFlow<'a> = dyn Fn() -> Option<Arc<Vec<f64>>> + 'a;
+
 /// A run at the end of a slab, with the numbers of the solver. The files of the slab are written.
 #[derive(Clone, Copy)]
 pub struct RunState<'a> {
@@ -31,10 +35,12 @@ pub struct RunState<'a> {
     pub columns: &'a [String],
     /// The row of the slab in history.csv.
     pub row: &'a [f64],
-    /// Flow, displacement and bodies at the end of the slab. Its `past` holds the flow and the mesh velocities within the slab, which may be
-    /// kept without a copy.
+    /// Displacement and bodies at the end of the slab. Its `past` holds the mesh velocities within the slab, which may be kept without a copy.
+    /// Of the flow it holds the cells of this rank.
     pub state: &'a State,
-    /// The arrays of a step in the result file. The flow in `state.past` is the array `flow`.
+    /// The flow in the slab.
+    pub flow: &'a SlabFlow<'a>,
+    /// The arrays of a step in the result file, of which `flow` is one.
     pub arrays: &'a [ArraySpec],
     /// The mesh; `positions(&state.d)` are the positions at the end of the slab.
     pub positions: &'a Arc<Positions>,

@@ -10,6 +10,7 @@
 //! velocity. A case with one inflow and one outflow has a loss. The weight is the signed mass flow: gas that flows back counts negatively. With
 //! backflow `<q>` may therefore lie outside of the values on the boundary, and it has no limit where the mass flow vanishes.
 
+use super::cells::StateInCells;
 use super::history::openings;
 use case::{Case, Flow};
 use coupled::MeshMover;
@@ -114,8 +115,8 @@ pub struct OpeningStates<'a, const D: usize> {
     pub mover: &'a MeshMover<D>,
     /// Its displacement, and its velocity; empty if the velocity is not known.
     pub motion: [&'a [f64]; 2],
-    /// The state of a cell, `[component][node]`.
-    pub state: &'a dyn Fn(usize) -> &'a [f64],
+    /// The state in the cells at openings.
+    pub state: &'a StateInCells<'a>,
 }
 
 impl<const D: usize> OpeningStates<'_, D> {
@@ -145,7 +146,7 @@ impl<const D: usize> OpeningStates<'_, D> {
     fn add<const M: usize>(&self, facet: &BoundaryFacet, points: &FacePoints<D>, sums: &mut Sums) {
         let (cell, face) = (facet.side.cell, facet.side.face);
         let nodal = by_node::<D>(&self.mover.cell_positions(cell, self.motion[0]));
-        let state = (self.state)(cell);
+        let state = self.state.of(cell);
         let at_points = points.functions.iter().zip(points.map.jacobians(&nodal)).zip(&points.weights);
         for (([functions, of_mesh], jacobian), weight) in at_points {
             let u: [f64; M] = std::array::from_fn(|m| dot_of(&state[m * functions.len()..], functions));

@@ -1,5 +1,6 @@
 //! The flow at points, from the coefficients of the cells that contain them: columns of history.csv, and the values of lines and slices.
 
+use super::cells::{StateInCells, StateSource};
 use super::opening_states::{by_node, dot_of, slopes_at};
 use super::surfaces::physical;
 use case::{Case, Field, FieldFormula, Flow, Probe};
@@ -27,7 +28,7 @@ pub fn names<'a, const D: usize>(
     components.chain(formulas.iter().map(|formula| formula.name.as_str()))
 }
 
-/// The flow on a moved mesh, and where its coefficients are.
+/// The flow on a moved mesh, to be observed at points.
 pub struct FlowAtPoints<'a, const D: usize> {
     /// The flow of the case.
     pub flow: &'a Flow<D>,
@@ -39,24 +40,23 @@ pub struct FlowAtPoints<'a, const D: usize> {
     pub displacement: &'a [f64],
     /// Its velocity; empty where that is not known.
     pub velocity: &'a [f64],
-    /// The state, `[cell][component][node]`.
-    pub state: &'a [f64],
     /// The time.
     pub time: f64,
 }
 
 impl<'a, const D: usize> FlowAtPoints<'a, D> {
     /// The values of the columns; NaN where a point is outside of the mesh.
-    pub fn row<const M: usize>(&self, probes: &[Probe<D>]) -> Vec<f64> {
-        probes.iter().flat_map(|probe| self.of::<M>(probe)).collect()
-    }
-
-    fn of<const M: usize>(&self, probe: &Probe<D>) -> Vec<f64> {
-        let place = if probe.carried { self.mover.reference.locate(&probe.at) } else { self.locate(&probe.at) };
-        match place {
-            Some((cell, xi)) => self.cell(cell).values::<M>(&xi, &probe.fields),
+    pub fn row<const M: usize>(&self, probes: &[Probe<D>], source: &StateSource) -> Vec<f64> {
+        let place = |probe: &Probe<D>| {
+            if probe.carried { self.mover.reference.locate(&probe.at) } else { self.locate(&probe.at) }
+        };
+        let places: Vec<Option<(usize, [f64; D])>> = probes.iter().map(place).collect();
+        let state = state_at(source, &places);
+        let value = |(probe, place): (&Probe<D>, &Option<(usize, [f64; D])>)| match place {
+            Some((cell, xi)) => self.cell(*cell).values::<M>(&state, xi, &probe.fields),
             None => vec![f64::NAN; names::<D>(&probe.fields, self.formulas).count()],
-        }
+        };
+        probes.iter().zip(&places).flat_map(value).collect()
     }
 
     /// The cell that contains `x` now, and the place there.
@@ -75,6 +75,17 @@ impl<'a, const D: usize> FlowAtPoints<'a, D> {
     }
 }
 
+/// The state in the cells of `places`.
+pub fn state_at<'a, const D: usize>(
+    source: &StateSource<'a>,
+    places: &[Option<(usize, [f64; D])>],
+) -> StateInCells<'a> {
+    let mut cells: Vec<usize> = places.iter().flatten().map(|place| place.0).collect();
+    cells.sort_unstable();
+    cells.dedup();
+    source(cells)
+}
+
 /// A cell of the flow.
 pub struct CellAtPoints<'b, 'a, const D: usize> {
     of: &'b FlowAtPoints<'a, D>,
@@ -89,11 +100,11 @@ impl<const D: usize> CellAtPoints<'_, '_, D> {
         CellMap::at(self.of.mover.reference.order(), xi).positions(&self.nodes)[0]
     }
 
-    /// The components of `fields` at the reference point `xi`, and the formulas.
-    pub fn values<const M: usize>(&self, xi: &[f64; D], fields: &[Field]) -> Vec<f64> {
-        let (of, x) = (self.of, self.position(xi));
-        let (state, of_mesh) = (self.state::<M>(xi), functions_at(of.mover.reference.order(), xi));
-        let (gradients, jacobian) = self.slopes::<M>(xi);
+    /// The components of `fields` at the reference point `xi`, and the formulas, from the state in the cells.
+    pub fn values<const M: usize>(&self, state: &StateInCells, xi: &[f64; D], fields: &[Field]) -> Vec<f64> {
+        let (of, x, u) = (self.of, self.position(xi), state.of(self.cell));
+        let (state, of_mesh) = (values_at(of.flow.order, u, xi), functions_at(of.mover.reference.order(), xi));
+        let (gradients, jacobian) = self.slopes::<M>(u, xi);
         let rest = of.mover.reference.position(self.cell, xi);
         let sample = CellSample {
             state: &state,
@@ -109,19 +120,9 @@ impl<const D: usize> CellAtPoints<'_, '_, D> {
         of_fields.chain(of_formulas).flatten().collect()
     }
 
-    fn coefficients<const M: usize>(&self) -> &[f64] {
-        let length = M * self.of.flow.order.pow(D as u32);
-        &self.of.state[self.cell * length..][..length]
-    }
-
-    fn state<const M: usize>(&self, xi: &[f64; D]) -> [f64; M] {
-        let values = values_at(self.of.flow.order, self.coefficients::<M>(), xi);
-        std::array::from_fn(|m| values[m])
-    }
-
     /// grad u, `[direction][component]`, and det J / det J_0.
-    fn slopes<const M: usize>(&self, xi: &[f64; D]) -> (Vec<Vec<f64>>, f64) {
-        let (order, u) = (self.of.flow.order, self.coefficients::<M>());
+    fn slopes<const M: usize>(&self, u: &[f64], xi: &[f64; D]) -> (Vec<Vec<f64>>, f64) {
+        let order = self.of.flow.order;
         let functions = slopes_at(order, xi);
         let nodes = order.pow(D as u32);
         let slopes: [[f64; M]; D] =

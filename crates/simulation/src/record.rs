@@ -3,30 +3,26 @@
 mod draw;
 mod layout;
 mod mesh_view;
+mod step_parts;
 
 pub use mesh_view::MeshView;
 
 use super::averages::fields::{self as averages, AverageFields};
-use super::averages::{AverageSums, Averaged, FILES as FILES_OF_AVERAGES};
+use super::averages::{AverageSums, FILES as FILES_OF_AVERAGES, FlowInCells};
 use super::bodies::beside_flow;
-use super::build::solid;
 use super::history::columns;
 use super::resume;
 use super::statistics::RunStatistics;
 use crate::error::Failure;
-use crate::observer::{Positions, RunState};
+use crate::observer::{Positions, RunState, SlabFlow};
 use crate::session::Session;
-use case::{Case, SolidPart};
+use case::Case;
 use coupled::block::BodyState;
-use elasticity::Solid;
-use fem::Sampler;
-use layout::{drawn_specs, fingerprint, flow_order, layout, metadata};
-use mesh::NodeNumbering;
-use mesh_view::exact_mesh;
-use output::{ArraySpec, History, Metadata, OutputError, ResultFile, SolverState, Step};
+use layout::{fingerprint, flow_order, layout, metadata};
+use output::{ArrayInParts, ArraySpec, History, Metadata, OutputError, ResultFile, SolverState};
 use report::REPORT_FILE;
-use report::fields;
 use std::sync::Arc;
+use step_parts::StepParts;
 
 /// The state of a run at the end of a slab, and within it.
 pub struct Snapshot<'a> {
@@ -36,8 +32,8 @@ pub struct Snapshot<'a> {
     pub displacement: &'a [f64],
     /// The velocities of the slab that ends at that time, `[time node][C0 node][component]`.
     pub velocities: &'a [f64],
-    /// The flow of that slab; empty without one.
-    pub flow: &'a [f64],
+    /// The flow of that slab in some cells; empty without one.
+    pub flow: &'a FlowInCells<'a>,
     /// The structure beside it.
     pub structure: Option<StructureSnapshot>,
     /// Sums of the averages over time.
@@ -66,22 +62,26 @@ impl StructureSnapshot {
     }
 }
 
+/// A state from which a run can go on.
+pub struct Stored<'a> {
+    /// The state.
+    pub state: SolverState,
+    /// The parts of it that are made while they are written.
+    pub long: Vec<ArrayInParts<'a>>,
+}
+
+impl From<SolverState> for Stored<'_> {
+    fn from(state: SolverState) -> Self {
+        Stored { state, long: Vec::new() }
+    }
+}
+
 /// The files of a run.
 pub struct Recorder<'a, const D: usize, const M: usize> {
-    case: &'a Case<D>,
-    mesh: Arc<MeshView<D>>,
-    /// The mesh of a structure beside the flow.
-    beside: Option<MeshView<D>>,
-    /// The material of the structure, if there is one.
-    solid: Option<Solid<D>>,
+    parts: StepParts<'a, D, M>,
     result: ResultFile,
     /// `history.csv`.
     pub history: History,
-    sampler: Sampler<D>,
-    /// For fields of the order of the mesh.
-    mesh_sampler: Sampler<D>,
-    /// det J at rest in every cell of the mesh, and then of the structure beside the flow.
-    reference_determinants: Vec<Vec<f64>>,
     slabs_since_checkpoint: usize,
     told: Told,
 }
@@ -155,25 +155,8 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         tracing::info!(resume, "the run begins");
         let told = Told::new::<D, M>(case, mesh);
         let history = history_after(stored.as_ref().or(origin), session, &told.columns)?;
-        let (sampler, n) = fields::equidistant::<D>(flow_order(case), case.mesh.order());
-        let mesh_sampler = Sampler::new(case.mesh.order(), case.mesh.order(), &basis::equidistant_points(n));
-        let beside =
-            |part: &SolidPart<D>| MeshView::new(&part.mesh, &NodeNumbering::new(&part.mesh, part.mesh.order()));
-        let beside = beside_flow(case).map(|(_, part)| beside(part));
-        let rest = mesh.positions.iter().chain(beside.iter().flat_map(|beside| &beside.positions));
-        let recorder = Recorder {
-            case,
-            mesh: mesh.clone(),
-            reference_determinants: rest.map(|nodes| sampler.determinants(nodes)).collect(),
-            beside,
-            solid: case.structure.as_ref().map(solid),
-            result,
-            history,
-            sampler,
-            mesh_sampler,
-            slabs_since_checkpoint: 0,
-            told,
-        };
+        let parts = StepParts::new(case, mesh.clone());
+        let recorder = Recorder { parts, result, history, slabs_since_checkpoint: 0, told };
         Ok((recorder, stored))
     }
 
@@ -182,7 +165,8 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     /// # Errors
     /// Files that cannot be read or written.
     pub fn go_back(&mut self, session: &Session<'_>) -> Result<SolverState, Failure> {
-        let (result, stored) = ResultFile::resume(&session.directory, &metadata(self.case, &self.mesh), |_, _| Ok(()))?;
+        let (result, stored) =
+            ResultFile::resume(&session.directory, &metadata(self.case(), &self.parts.mesh), |_, _| Ok(()))?;
         self.result = result;
         self.history = history_after(Some(&stored), session, &self.told.columns)?;
         self.slabs_since_checkpoint = 0;
@@ -191,40 +175,29 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
 
     /// The case of the run.
     pub fn case(&self) -> &'a Case<D> {
-        self.case
+        self.parts.case
     }
 
     /// A run in `state` at the end of a slab with the `row` of history.csv, for observers.
-    pub fn tell<'b>(&'b self, row: &'b [f64], state: &'b coupled::State) -> RunState<'b> {
+    pub fn tell<'b>(&'b self, row: &'b [f64], state: &'b coupled::State, flow: &'b SlabFlow<'b>) -> RunState<'b> {
         let Told { columns, arrays, positions } = &self.told;
-        RunState { columns, row, state, arrays, positions }
+        RunState { columns, row, state, flow, arrays, positions }
     }
 
-    /// Appends a step to the result.
+    /// Appends a step to the result, one part of the mesh after the other.
     ///
     /// # Errors
     /// A file that cannot be written.
     pub fn step(&mut self, snapshot: &Snapshot) -> Result<(), Failure> {
         let _timed = tracing::trace_span!(target: "cost", "output").entered();
-        let (points, drawn) = self.draw(snapshot);
-        let names: Vec<_> = drawn_specs(self.case).map(|spec| spec.name).collect();
-        let averages = self.averages(snapshot.averages);
-        let mut fields: Vec<(&str, &[f64])> =
-            names.iter().map(String::as_str).zip(drawn.iter().map(Vec::as_slice)).collect();
-        fields.extend(averages.iter().map(|average| (&average.name[..], &average.drawn[..])));
-        let (positions, velocities) = exact_mesh(&self.mesh, snapshot.displacement, snapshot.velocities);
-        let beside = self.beside.as_ref().zip(snapshot.structure.as_ref());
-        let of_structure =
-            beside.map(|(mesh, structure)| exact_mesh(mesh, &structure.displacement, &structure.velocities));
-        let mut exact = vec![("position", &positions[..]), ("mesh_velocity", &velocities[..])];
-        if self.case.flow.is_some() {
-            exact.push(("flow", snapshot.flow));
+        let mut step = self.result.append_in_parts(snapshot.time)?;
+        for cells in self.parts.ranges() {
+            self.parts.of_cells(snapshot, cells).add_to(&mut step)?;
         }
-        if let Some((positions, velocities)) = &of_structure {
-            exact.extend([("structure_position", &positions[..]), ("structure_velocity", velocities)]);
+        if let Some(part) = self.parts.of_structure(snapshot) {
+            part.add_to(&mut step)?;
         }
-        exact.extend(averages.iter().map(|average| (&average.name[..], &average.coefficients[..])));
-        Ok(self.result.append(&Step { time: snapshot.time, points: &points, fields: &fields, exact: &exact })?)
+        Ok(step.finish()?)
     }
 
     /// Appends the `values` at a `time` to a series of the result.
@@ -236,47 +209,25 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         Ok(self.result.append_to_series(array, time, values)?)
     }
 
-    /// The averages up to now; a structure beside the flow has none.
-    fn averages(&self, sums: &AverageSums) -> Vec<AverageAtStep> {
-        let Some(fields) = average_fields(self.case, sums) else { return Vec::new() };
-        let nodes = flow_order(self.case).pow(D as u32);
-        let beside = self.beside.as_ref().map_or(0, |mesh| mesh.cells.len()) * self.sampler.points();
-        let at_step = |average: &Averaged| {
-            let coefficients = fields.coefficients(average, None);
-            let mut drawn = averages::drawn::<D>(average, &coefficients, nodes, &self.sampler);
-            drawn.extend(std::iter::repeat_n(f64::NAN, beside * averages::spec(average).components));
-            AverageAtStep { name: average.name.clone(), coefficients, drawn }
-        };
-        fields.averages().iter().map(at_step).collect()
-    }
-
     /// Counts a slab; returns whether a checkpoint is due.
     pub fn is_checkpoint_due(&mut self) -> bool {
         self.slabs_since_checkpoint += 1;
-        self.slabs_since_checkpoint >= self.case.output.checkpoint_every
+        self.slabs_since_checkpoint >= self.case().output.checkpoint_every
     }
 
-    /// Writes a checkpoint: `state` with the history and the sums of the run.
+    /// Writes a checkpoint: what is `stored` with the history and the sums of the run.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn checkpoint(&mut self, mut state: SolverState, statistics: &RunStatistics) -> Result<(), Failure> {
+    pub fn checkpoint(&mut self, stored: Stored<'_>, statistics: &RunStatistics) -> Result<(), Failure> {
         let _timed = tracing::trace_span!(target: "cost", "output").entered();
+        let Stored { mut state, long } = stored;
         state.arrays.extend(statistics.to_arrays());
         state.arrays.insert(HISTORY.into(), self.history.rows().to_vec().into());
         state.texts.insert(COLUMNS.into(), output::header(&self.told.columns));
         self.slabs_since_checkpoint = 0;
-        Ok(self.result.checkpoint(&state)?)
+        Ok(self.result.checkpoint_with(&state, long)?)
     }
-}
-
-/// An average up to a step.
-struct AverageAtStep {
-    name: String,
-    /// `[cell][component][node]`
-    coefficients: Vec<f64>,
-    /// `[cell][point][component]`, those of a structure included.
-    drawn: Vec<f64>,
 }
 
 /// The velocities at the last time node.

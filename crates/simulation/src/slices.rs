@@ -3,6 +3,7 @@
 //! Each cell is divided into parts, and these into tetrahedra of the reference cell. The edges of a tetrahedron that end on both sides of the
 //! plane are cut where the curved cell crosses it. So corners lie on the plane, and their values come from the coefficients of the cell.
 
+use super::cells::{StateInCells, StateSource};
 use super::probes::{CellAtPoints, FlowAtPoints, names};
 use case::Slice;
 use mesh::CellMap;
@@ -20,11 +21,11 @@ const ROUND_OFF: f64 = 1e-12;
 const STEPS: usize = 60;
 
 /// The cut of the mesh with a plane, and the flow there.
-pub fn cut<const D: usize, const M: usize>(flow: &FlowAtPoints<D>, slice: &Slice<D>) -> PolyData {
-    let one_side = cut_from::<D, M>(flow, slice, 1.0);
+pub fn cut<const D: usize, const M: usize>(flow: &FlowAtPoints<D>, slice: &Slice<D>, source: &StateSource) -> PolyData {
+    let one_side = cut_from::<D, M>(flow, slice, source, 1.0);
     // A plane that touches the mesh from one side only is seen from the other one.
     let pieces = if one_side.iter().all(|piece| piece.polygons.is_empty()) {
-        cut_from::<D, M>(flow, slice, -1.0)
+        cut_from::<D, M>(flow, slice, source, -1.0)
     } else {
         one_side
     };
@@ -32,14 +33,22 @@ pub fn cut<const D: usize, const M: usize>(flow: &FlowAtPoints<D>, slice: &Slice
 }
 
 /// The cut of every cell. Points on the plane count to its upper `side`.
-fn cut_from<const D: usize, const M: usize>(flow: &FlowAtPoints<D>, slice: &Slice<D>, side: f64) -> Vec<Piece<D>> {
+fn cut_from<const D: usize, const M: usize>(
+    flow: &FlowAtPoints<D>,
+    slice: &Slice<D>,
+    source: &StateSource,
+    side: f64,
+) -> Vec<Piece<D>> {
     let plane = Plane { point: slice.point, normal: slice.normal.map(|n| side * n) };
     let lattice = basis::equidistant_points(slice.parts + 1);
     let map = CellMap::<D>::on_grid(flow.mover.reference.order(), &lattice);
     let tetrahedra = simplices::<D>(slice.parts);
-    let cells = 0..flow.mover.reference.n_cells();
-    let of_cell = |cell| Piece::of::<M>(&flow.cell(cell), slice, &plane, (&lattice, &map, &tetrahedra));
-    cells.into_par_iter().map(of_cell).collect()
+    let heights = |cell| Some((cell, plane.heights(&map.positions(&flow.nodes(cell)))?));
+    let cut: Vec<(usize, Vec<f64>)> = (0..flow.mover.reference.n_cells()).into_par_iter().filter_map(heights).collect();
+    let state = source(cut.iter().map(|(cell, _)| *cell).collect());
+    let of_cell =
+        |(cell, heights)| Piece::of::<M>(&flow.cell(cell), &state, slice, (&plane, heights), (&lattice, &tetrahedra));
+    cut.into_par_iter().map(of_cell).collect()
 }
 
 /// A plane with its unit normal.
@@ -51,6 +60,15 @@ struct Plane<const D: usize> {
 impl<const D: usize> Plane<D> {
     fn height(&self, x: &[f64; D]) -> f64 {
         dot(&self.normal, &std::array::from_fn(|i| x[i] - self.point[i]))
+    }
+
+    /// The heights of the points of a cell at `positions`, if they lie on both sides.
+    fn heights(&self, positions: &[[f64; D]]) -> Option<Vec<f64>> {
+        let size = norm(&std::array::from_fn::<f64, D, _>(|i| positions[positions.len() - 1][i] - positions[0][i]));
+        let snapped = |height: f64| if height.abs() <= ROUND_OFF * size { 0.0 } else { height };
+        let heights: Vec<f64> = positions.iter().map(|x| snapped(self.height(x))).collect();
+        let is_cut = heights.iter().any(|h| *h < 0.0) && heights.iter().any(|h| *h >= 0.0);
+        is_cut.then_some(heights)
     }
 }
 
@@ -66,18 +84,12 @@ struct Piece<const D: usize> {
 impl<const D: usize> Piece<D> {
     fn of<const M: usize>(
         cell: &CellAtPoints<'_, '_, D>,
+        state: &StateInCells,
         slice: &Slice<D>,
-        plane: &Plane<D>,
-        (lattice, map, tetrahedra): (&[f64], &CellMap<D>, &[Vec<usize>]),
+        (plane, heights): (&Plane<D>, Vec<f64>),
+        (lattice, tetrahedra): (&[f64], &[Vec<usize>]),
     ) -> Self {
-        let positions = map.positions(&cell.nodes);
-        let size = norm(&std::array::from_fn::<f64, D, _>(|i| positions[positions.len() - 1][i] - positions[0][i]));
-        let snapped = |height: f64| if height.abs() <= ROUND_OFF * size { 0.0 } else { height };
-        let heights: Vec<f64> = positions.iter().map(|x| snapped(plane.height(x))).collect();
         let mut piece = Piece { points: Vec::new(), values: Vec::new(), polygons: Vec::new() };
-        if heights.iter().all(|h| *h < 0.0) || heights.iter().all(|h| *h >= 0.0) {
-            return piece;
-        }
         let n = lattice.len();
         let xi = |k: usize| -> [f64; D] { std::array::from_fn(|i| lattice[k / n.pow(i as u32) % n]) };
         let mut known = BTreeMap::new();
@@ -89,7 +101,7 @@ impl<const D: usize> Piece<D> {
                 *known.entry(edge).or_insert_with(|| {
                     let at = crossing(cell, plane, [xi(below), xi(above)], [heights[below], heights[above]]);
                     piece.points.push(cell.position(&at));
-                    piece.values.push(cell.values::<M>(&at, &slice.fields));
+                    piece.values.push(cell.values::<M>(state, &at, &slice.fields));
                     piece.points.len() - 1
                 })
             };

@@ -5,7 +5,7 @@ use super::body_record::BodyRecord;
 use super::context::{RunContext, Stop};
 use super::drive::{Call, Run, drive};
 use super::failure::{Finding, examine_structure};
-use super::record::MeshView;
+use super::record::{MeshView, Stored};
 use super::{build, checkpoint, history, summary};
 use crate::destination::Destination;
 use crate::error::Failure;
@@ -112,8 +112,8 @@ impl<const D: usize> Run for StructureRun<'_, D> {
             _ => error.into(),
         })
     }
-    fn slab_at_start(&self) -> [Vec<f64>; 2] {
-        [self.march.velocity().repeat(self.case.time.order), Vec::new()]
+    fn velocities_at_start(&self) -> Vec<f64> {
+        self.march.velocity().repeat(self.case.time.order)
     }
 
     fn open(&mut self, context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
@@ -132,8 +132,8 @@ impl<const D: usize> Run for StructureRun<'_, D> {
         row
     }
 
-    fn store(&self) -> SolverState {
-        checkpoint::store(&self.march.state, None, false)
+    fn store(&self) -> Stored<'_> {
+        checkpoint::store(&self.march.state, None, false).into()
     }
 
     fn restore(&mut self, stored: &SolverState) -> Option<()> {

@@ -3,6 +3,7 @@
 use super::bodies;
 use super::body_record::{BodyRecord, Oscillation};
 use super::context::{self, RunContext, Stop};
+use super::errors;
 use super::history::openings;
 use super::openings::Misuse;
 use super::statistics::{self, RunStatistics};
@@ -12,44 +13,33 @@ use coupled::block::BodyState;
 use coupled::blocks::rigid_body::{Freedom as Direction, Vec3};
 use coupled::{FlowMarch, MeshMover, StructureMarch};
 use elasticity::NaturalMode;
-use fem::{SlabOperator, StateField, squared_errors};
-use navier_stokes::{Coefficients, Conserved, Exact};
+use fem::StateField;
+use navier_stokes::{Coefficients, Exact};
 use newton_krylov::inner_product::largest;
 use output::{
     Body, Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Steady, SteadyStability,
     SteadyWall, StructureSummary, Summary, Unknowns, Wall,
 };
 
-/// The flow on all cells, and the march of this rank.
-pub struct WholeFlow<'a, const D: usize, const M: usize> {
-    /// The operator, on the mesh of the last slab.
-    pub operator: &'a SlabOperator<D, M>,
-    /// Where the run stands.
-    pub state: &'a coupled::State,
-    /// The march of this rank.
-    pub march: &'a FlowMarch<D, M>,
-}
-
-/// The summary of a run of mesh and flow.
+/// The summary of a run of mesh and flow. `errors_of_cells` are those of [`errors::of_cells`], if they are known.
 pub fn of_flow<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &Flow<D>,
-    whole: &WholeFlow<D, M>,
+    (march, errors_of_cells): (&FlowMarch<D, M>, &[f64]),
     context: &RunContext,
     stop: Option<&Stop>,
 ) -> Summary
 where
     Exact<State<D>>: StateField<D, M>,
 {
-    let WholeFlow { operator, state, march } = whole;
     let statistics = &context.statistics;
-    let mut summary = of_mesh(case, &march.solver.system.mesh.mover, state, context, stop);
-    summary.unknowns.flow = Some(operator.layout.len());
-    add_solver(&mut summary, statistics, state.slab as u64);
-    if let Some(exact) = &flow.exact {
-        add_errors(whole, exact, summary.error.get_or_insert_default());
+    let mut summary = of_mesh(case, &march.solver.system.mesh.mover, &march.state, context, stop);
+    summary.unknowns.flow = Some(case.flow_unknowns());
+    add_solver(&mut summary, statistics, march.state.slab as u64);
+    if flow.exact.is_some() {
+        errors::norms::<D, M>(errors_of_cells, summary.error.get_or_insert_default());
     }
-    let conservation = conservation(case, flow, whole, statistics);
+    let conservation = conservation::<D, M>(case, flow, errors_of_cells, statistics);
     summary.conservation = (conservation != Conservation::default()).then_some(conservation);
     add_boundaries(&mut summary, case, flow, statistics);
     add_bodies(&mut summary, case, &march.bodies(), statistics);
@@ -76,7 +66,7 @@ fn add_solver(summary: &mut Summary, statistics: &RunStatistics, slabs: u64) {
 fn conservation<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &Flow<D>,
-    whole: &WholeFlow<D, M>,
+    errors_of_cells: &[f64],
     statistics: &RunStatistics,
 ) -> Conservation
 where
@@ -88,7 +78,7 @@ where
         mass_error: flow.conserves_mass().then_some(statistics.mass_error),
         energy_error: is_closed.then_some(statistics.energy_error),
         coupled_energy_error: (is_closed && bodies::has_bodies(case)).then_some(statistics.coupled_energy_error),
-        free_stream_error: flow.free_stream().map(|exact| largest_deviation(whole, exact)),
+        free_stream_error: flow.free_stream().map(|stream| errors::largest_deviation::<D, M>(errors_of_cells, stream)),
     }
 }
 
@@ -328,31 +318,6 @@ fn common<const D: usize>(
 
 fn ratio(a: u64, b: u64) -> f64 {
     if b == 0 { 0.0 } else { a as f64 / b as f64 }
-}
-
-/// L2 errors of the flow at the time reached.
-fn add_errors<const D: usize, const M: usize>(whole: &WholeFlow<D, M>, exact: &State<D>, errors: &mut ErrorNorms)
-where
-    Exact<State<D>>: StateField<D, M>,
-{
-    let (flow, state) = (whole.operator, whole.state);
-    let row = if state.slab == 0 { flow.tables.bottom_row() } else { flow.top_row() };
-    let squares = squared_errors(flow, &state.u, row.row(0), &Exact(exact.clone()), state.time);
-    let squares = Conserved::<f64, D>::unpack(&squares);
-    errors.density_l2 = Some(squares.density.sqrt());
-    errors.momentum_l2 = Some(squares.momentum.iter().sum::<f64>().sqrt());
-    errors.energy_l2 = Some(squares.energy.sqrt());
-}
-
-/// The largest difference of a coefficient from a uniform state, relative to the largest component of that state.
-fn largest_deviation<const D: usize, const M: usize>(whole: &WholeFlow<D, M>, exact: &State<D>) -> f64
-where
-    Exact<State<D>>: StateField<D, M>,
-{
-    let state = Exact(exact.clone()).value(&[0.0; D], 0.0);
-    let layout = whole.operator.layout;
-    let difference = |(i, u): (usize, &f64)| (u - state[layout.component_of(i)]).abs();
-    largest(whole.state.u.iter().enumerate().map(difference)) / largest(state.map(f64::abs))
 }
 
 /// The largest distance of a C0 node from its exact position, if that is known.

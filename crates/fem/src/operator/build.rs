@@ -48,22 +48,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         orders: Orders,
         quadrature: Quadrature,
     ) -> Self {
-        Self::of_cells(problem, Cells::whole(mesh, numbering), orders, quadrature, true)
-    }
-
-    /// An operator on `mesh` for integrals of a flow: it has mass products and a layout, but no memory for residuals, products, blocks and
-    /// fluxes.
-    ///
-    /// # Panics
-    /// As [`Self::new`].
-    pub fn for_measuring(
-        problem: Problem<D, M>,
-        mesh: &Mesh<D>,
-        numbering: NodeNumbering,
-        orders: Orders,
-        quadrature: Quadrature,
-    ) -> Self {
-        Self::of_cells(problem, Cells::whole(mesh, numbering), orders, quadrature, false)
+        Self::of_cells(problem, Cells::whole(mesh, numbering), orders, quadrature)
     }
 
     /// The operator on a share of `mesh`.
@@ -85,17 +70,11 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let subset = mesh.subset(&cells, share.own.len());
         let (mesh, numbering) = (&subset.mesh, numbering.subset(&cells));
         let cells = Cells { mesh, numbering, boundary_facets: subset.boundary_facets, share };
-        Self::of_cells(problem, cells, orders, quadrature, true)
+        Self::of_cells(problem, cells, orders, quadrature)
     }
 
-    /// The operator on `cells`. An operator that does not solve has no memory for evaluations.
-    fn of_cells(
-        problem: Problem<D, M>,
-        cells: Cells<'_, D>,
-        orders: Orders,
-        quadrature: Quadrature,
-        solves: bool,
-    ) -> Self {
+    /// The operator on `cells`.
+    fn of_cells(problem: Problem<D, M>, cells: Cells<'_, D>, orders: Orders, quadrature: Quadrature) -> Self {
         let Cells { mesh, numbering, boundary_facets, share } = cells;
         assert_eq!(mesh.order(), orders.mesh, "the mesh must have the order of the space");
         assert_eq!(mesh.boundary_names().len(), problem.kernels.boundaries(), "every boundary needs a condition");
@@ -107,9 +86,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let viscous = problem.kernels.is_viscous();
         let flow_traces = TraceLayout::new::<D>(if viscous { 2 } else { 1 }, [orders.time, M], orders.flow);
         let mesh_traces = TraceLayout::new::<D>(2, [orders.time + 1, D], orders.mesh);
-        let (traced, batches) = if solves { (cells, facets.batches.len()) } else { (0, 0) };
+        let batches = facets.batches.len();
         let terms = batches * WIDTH * 2 * flow_traces.face_len();
-        let ghosts = if solves { cells - own } else { 0 };
         let mut operator = SlabOperator {
             flow_faces: FaceMaps::new(&tables.flow, D),
             mesh_faces: FaceMaps::new(&tables.mesh, D),
@@ -123,15 +101,15 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             bottom_values: tables.time.values(0.0),
             bottom_mass_product: vec![0.0; layout.at_one_time().len()],
             state: Vec::new(),
-            state_traces: Traces::new(flow_traces, traced),
-            direction_of_ghosts: vec![0.0; ghosts * layout.cell_len()],
-            direction_traces: Traces::new(flow_traces, traced),
+            state_traces: Traces::new(flow_traces, cells),
+            direction_of_ghosts: vec![0.0; (cells - own) * layout.cell_len()],
+            direction_traces: Traces::new(flow_traces, cells),
             mesh_traces: MeshTraces::new(mesh_traces, batches),
-            mesh_direction: moving.direction(traced),
+            mesh_direction: moving.direction(cells),
             mesh_direction_traces: MeshTraces::new(mesh_traces, batches),
-            mesh_derivatives: Traces::new(mesh_traces, traced),
+            mesh_derivatives: Traces::new(mesh_traces, cells),
             terms: vec![0.0; terms],
-            geometry: SlabGeometry::new(&tables, viscous, [own, batches], solves),
+            geometry: SlabGeometry::new(&tables, viscous, [own, batches]),
             cells: PerThread::new(|| CellScratch::new::<D, M>(&tables)),
             facet_scratch: PerThread::new(|| FacetScratch::new::<D, M>(&tables)),
             wall_loads: NodalLoads::unloaded(batches),

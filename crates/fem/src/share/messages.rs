@@ -5,9 +5,6 @@ use crate::batches::Permutation;
 use crate::traces::{Traced, Traces};
 use std::ops::Range;
 
-/// At most as many numbers of a rank travel at a time when parts are joined: 32 MB.
-const CHUNK: usize = 1 << 22;
-
 /// The traces of own faces at the cuts, and room for those of ghosts, cut by cut.
 pub(crate) struct TraceMessages {
     sent: Vec<Vec<f64>>,
@@ -170,32 +167,65 @@ impl Share {
         received
     }
 
-    /// Joins the parts of all ranks, equally many numbers for every own cell, on rank 0; nothing elsewhere. Rank 0 has no room for parts
-    /// but that for a chunk of them. A collective call.
-    pub fn join(&self, of_own: &[f64]) -> Vec<f64> {
+    /// On rank 0 the numbers of `cells`, numbers in the whole mesh, in their order; nothing elsewhere. `of_own` has equally many numbers for every
+    /// own cell. A collective call with the same cells.
+    pub fn gather(&self, of_own: &[f64], cells: &[usize]) -> Vec<f64> {
         let len = of_own.len() / self.own.len().max(1);
-        let in_chunk = (CHUNK / len.max(1)).max(1);
+        let own: Vec<f64> =
+            self.own_among(cells).flat_map(|cell| &of_own[cell * len..(cell + 1) * len]).copied().collect();
         let communicator = self.sums.communicator();
         if communicator.rank() > 0 {
-            of_own.chunks(in_chunk * len.max(1)).for_each(|chunk| communicator.exchange(&[(0, chunk)], &mut []));
+            if !own.is_empty() {
+                communicator.exchange(&[(0, &own)], &mut []);
+            }
             return Vec::new();
         }
-        let mut whole = vec![0.0; self.whole * len];
-        let mut put = |cells: &[usize], numbers: &[f64]| {
-            for (cell, numbers) in cells.iter().zip(numbers.chunks_exact(len.max(1))) {
-                whole[cell * len..][..len].copy_from_slice(numbers);
-            }
+        let of_ranks = self.receive_numbers(own, len, cells);
+        let mut ends = vec![0; of_ranks.len()];
+        let mut next = |&cell: &usize| {
+            let rank = self.rank_of_cell[cell] as usize;
+            ends[rank] += len;
+            &of_ranks[rank][ends[rank] - len..ends[rank]]
         };
-        put(&self.own, of_own);
-        let mut chunk = Vec::new();
-        for (rank, cells) in self.cells_of_ranks.iter().enumerate().skip(1).filter(|_| len > 0) {
-            for cells in cells.chunks(in_chunk) {
-                chunk.resize(cells.len() * len, 0.0);
-                communicator.exchange(&[], &mut [(rank, &mut chunk)]);
-                put(cells, &chunk);
-            }
+        cells.iter().flat_map(|cell| next(cell).iter().copied()).collect()
+    }
+
+    /// `own`, and `len` numbers for each of the `cells` of all other ranks, rank by rank.
+    fn receive_numbers(&self, own: Vec<f64>, len: usize, cells: &[usize]) -> Vec<Vec<f64>> {
+        let mut counts = vec![0; self.cells_of_ranks.len()];
+        cells.iter().for_each(|&cell| counts[self.rank_of_cell[cell] as usize] += len);
+        let mut of_ranks: Vec<Vec<f64>> =
+            counts.into_iter().enumerate().map(|(rank, count)| vec![0.0; if rank > 0 { count } else { 0 }]).collect();
+        let mut receives: Vec<(usize, &mut [f64])> =
+            of_ranks.iter_mut().enumerate().map(|(rank, numbers)| (rank, &mut numbers[..])).collect();
+        receives.retain(|(_, numbers)| !numbers.is_empty());
+        if !receives.is_empty() {
+            self.sums.communicator().exchange(&[], &mut receives);
         }
-        whole
+        of_ranks[0] = own;
+        of_ranks
+    }
+
+    /// [`Self::gather`] of all cells of the mesh.
+    pub fn join(&self, of_own: &[f64]) -> Vec<f64> {
+        self.gather(of_own, &(0..self.whole).collect::<Vec<usize>>())
+    }
+
+    /// The own part of what rank 0 has as `whole`: `len` numbers for every cell of the mesh. A collective call with the same `len`.
+    pub fn scatter(&self, whole: &[f64], len: usize) -> Vec<f64> {
+        let communicator = self.sums.communicator();
+        if communicator.rank() > 0 {
+            let mut own = vec![0.0; self.own.len() * len];
+            if !own.is_empty() {
+                communicator.exchange(&[], &mut [(0, &mut own)]);
+            }
+            return own;
+        }
+        for (rank, cells) in self.cells_of_ranks.iter().enumerate().skip(1).filter(|_| len > 0) {
+            let part: Vec<f64> = cells.iter().flat_map(|&cell| &whole[cell * len..(cell + 1) * len]).copied().collect();
+            communicator.exchange(&[(rank, &part)], &mut []);
+        }
+        self.own_part(whole)
     }
 
     /// Lists of all ranks with `len` numbers for each item, sorted by the items' `keys`. A collective call.

@@ -4,6 +4,7 @@ use super::{AverageSums, Averaged, Moments};
 use case::Averages;
 use fem::Sampler;
 use output::{ArraySpec, FieldSpec};
+use std::ops::Range;
 
 /// The averages of a case on its mesh.
 pub struct AverageFields<'a> {
@@ -30,10 +31,10 @@ impl<'a> AverageFields<'a> {
         ArraySpec::new(&average.name, &axes)
     }
 
-    /// The coefficients of an average, `[cell][component][node]`, over a phase or over the whole time.
-    pub fn coefficients(&self, average: &Averaged, phase: Option<usize>) -> Vec<f64> {
+    /// The coefficients of an average in `cells`, `[cell][component][node]`, over a phase or over the whole time.
+    pub fn coefficients(&self, average: &Averaged, phase: Option<usize>, cells: Range<usize>) -> Vec<f64> {
         let of_cell = |cell| self.sums.of_cell(&self.moments, average, cell, self.nodes, phase);
-        (0..self.cells).flat_map(of_cell).collect()
+        cells.flat_map(of_cell).collect()
     }
 }
 

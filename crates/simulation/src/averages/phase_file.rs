@@ -37,8 +37,9 @@ impl<const D: usize> PhaseFile<'_, D> {
         let fields = of_mesh.averages().iter().map(spec).collect();
         let file = ViewerFile::create(&directory.join(PHASE_FILE), FileLayout { grid, fields, exact: Vec::new() })?;
         for phase in (0..phases.count).filter(|&phase| self.sums.durations.get(phase).is_some_and(|t| *t > 0.0)) {
-            let values =
-                |average: &Averaged| drawn::<D>(average, &of_mesh.coefficients(average, Some(phase)), nodes, &sampler);
+            let values = |average: &Averaged| {
+                drawn::<D>(average, &of_mesh.coefficients(average, Some(phase), 0..mesh.n_cells()), nodes, &sampler)
+            };
             let drawn: Vec<Vec<f64>> = of_mesh.averages().iter().map(values).collect();
             let names = of_mesh.averages().iter().map(|average| &average.name[..]);
             let fields: Vec<(&str, &[f64])> = names.zip(drawn.iter().map(Vec::as_slice)).collect();

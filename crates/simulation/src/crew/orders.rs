@@ -9,7 +9,7 @@ use std::sync::Arc;
 pub enum Order {
     /// Make the march of their share.
     Build,
-    /// Take their part of a state, which follows.
+    /// Take their part of a state; what all ranks need of it follows, and then each receives its own cells.
     Restore,
     /// Search the steady flow.
     SearchSteadyFlow,
@@ -17,19 +17,31 @@ pub enum Order {
     ReleaseBodies,
     /// Solve a slab.
     Advance,
-    /// Send what the preconditioner is made of.
-    Store,
+    /// Send numbers of cells, which are listed.
+    Send,
+    /// Send the positions of their cells in the order of elimination.
+    SendPlaces,
+    /// Send the integrals over each of their cells.
+    Integrate,
+    /// Add up the components of the flow.
+    AddUp,
+    /// Send the errors of each of their cells.
+    Measure,
     /// End.
     Finish,
 }
 
-const ORDERS: [Order; 7] = [
+const ORDERS: [Order; 11] = [
     Order::Build,
     Order::Restore,
     Order::SearchSteadyFlow,
     Order::ReleaseBodies,
     Order::Advance,
-    Order::Store,
+    Order::Send,
+    Order::SendPlaces,
+    Order::Integrate,
+    Order::AddUp,
+    Order::Measure,
     Order::Finish,
 ];
 

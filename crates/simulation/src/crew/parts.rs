@@ -1,64 +1,150 @@
-//! The part of a rank of a state, and the whole from all parts.
+//! What ranks have of the flow: each of its own cells.
 
+use crate::checkpoint;
 use coupled::preconditioner::Ordering;
 use coupled::{FlowMarch, Linearisation, Past, State};
 use fem::Share;
+use output::SolverState;
 use std::sync::Arc;
 
-/// The own part of the state of the whole flow.
-pub fn own_state(whole: State, share: &Share) -> State {
-    let past = whole.past.map(|past| Past { u: Arc::new(share.own_part(&past.u)), ..past });
-    State { u: share.own_part(&whole.u), determinants: share.own_part(&whole.determinants), past, ..whole }
+/// An array with numbers of every cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OfCells {
+    /// The state at the end of the last slab, `[component][node]`.
+    State,
+    /// The determinants that slabs carry on.
+    Determinants,
+    /// The flow in the last slab, `[time node][component][node]`.
+    Slab,
+    /// The flow that the preconditioner is made of.
+    Linearised,
 }
 
-/// The own part of a linearisation of the whole flow.
-pub fn own_linearisation(whole: Linearisation, share: &Share) -> Linearisation {
-    let state = Arc::new(share.own_part(&whole.state));
-    if whole.ordering.cells.is_empty() {
-        return Linearisation { state, ..whole };
+impl OfCells {
+    /// All, with the names of their arrays in a checkpoint.
+    pub const ALL: [(OfCells, &str); 4] = [
+        (OfCells::State, checkpoint::FLOW),
+        (OfCells::Determinants, checkpoint::DETERMINANTS),
+        (OfCells::Slab, checkpoint::PAST_FLOW),
+        (OfCells::Linearised, checkpoint::FROZEN_FLOW),
+    ];
+
+    /// Of the own cells of this rank; empty if there is no such array.
+    pub fn own<const D: usize, const M: usize>(self, march: &FlowMarch<D, M>) -> &[f64] {
+        let State { u, determinants, past, .. } = &march.state;
+        match self {
+            OfCells::State => u,
+            OfCells::Determinants => determinants,
+            OfCells::Slab => past.as_ref().map_or(&[][..], |past| &past.u[..]),
+            OfCells::Linearised => {
+                let frozen = march.solver.system.flow.preconditioner.frozen();
+                frozen.map_or(&[][..], |frozen| &frozen.state[..])
+            }
+        }
     }
-    let mut local = vec![None; whole.ordering.cells.len()];
+}
+
+/// `state` without the arrays of [`OfCells`].
+pub fn without_flow(state: &State) -> State {
+    let past = state.past.as_ref().map(|past| Past { u: Arc::default(), ..past.clone() });
+    State {
+        u: Vec::new(),
+        determinants: Vec::new(),
+        past,
+        d: state.d.clone(),
+        bodies: state.bodies.clone(),
+        pending: state.pending.clone(),
+        ..*state
+    }
+}
+
+/// The name of the cells that are listed.
+const CELLS: &str = "cells";
+/// The name of the place of the array in [`OfCells::ALL`].
+const OF: &str = "of";
+
+/// The request for numbers of `cells`, for [`serve`].
+pub(super) fn request(of: OfCells, cells: &[usize]) -> SolverState {
+    let mut request = SolverState::default();
+    request.integers.insert(OF.to_owned(), of as i64);
+    request.arrays.insert(CELLS.to_owned(), cells.iter().map(|&cell| cell as f64).collect::<Vec<f64>>().into());
+    request
+}
+
+/// The numbers of `cells` on rank 0, nothing elsewhere. A collective call.
+pub(super) fn send<const D: usize, const M: usize>(march: &FlowMarch<D, M>, of: OfCells, cells: &[usize]) -> Vec<f64> {
+    march.solver.system.flow.operator.share.gather(of.own(march), cells)
+}
+
+/// Does what a [`request`] asks for.
+pub(super) fn serve<const D: usize, const M: usize>(march: &FlowMarch<D, M>, request: &SolverState) {
+    let of = request.integers.get(OF).and_then(|&of| OfCells::ALL.get(of as usize));
+    if let Some((of, _)) = of {
+        let cells = request.arrays.get(CELLS).map_or(&[][..], |cells| &cells[..]);
+        send(march, *of, &cells.iter().map(|&cell| cell as usize).collect::<Vec<usize>>());
+    }
+}
+
+/// The integer with the length in a cell of the array `name`.
+fn length_of(name: &str) -> String {
+    format!("length.{name}")
+}
+
+/// `stored` without the arrays of [`OfCells`], with their lengths in each of so many `cells`. `None` if they do not fit the cells.
+pub(super) fn without_arrays(stored: &SolverState, cells: usize) -> Option<SolverState> {
+    let mut out = stored.clone();
+    for (_, name) in OfCells::ALL {
+        if let Some(values) = out.arrays.remove(name) {
+            (values.len() % cells == 0).then_some(())?;
+            out.integers.insert(length_of(name), (values.len() / cells) as i64);
+        }
+    }
+    Some(out)
+}
+
+/// `common`, which all ranks have, with the arrays of the own cells. Rank 0 has those of all cells in `whole`. A collective call.
+pub(super) fn with_own_arrays(mut common: SolverState, whole: Option<&SolverState>, share: &Share) -> SolverState {
+    for (_, name) in OfCells::ALL {
+        if let Some(length) = common.integers.remove(&length_of(name)) {
+            let values = whole.and_then(|whole| whole.arrays.get(name)).map_or(&[][..], |values| &values[..]);
+            common.arrays.insert(name.to_owned(), share.scatter(values, length as usize).into());
+        }
+    }
+    common
+}
+
+/// A linearisation with the own part of an order of all cells.
+pub fn own_linearisation(read: Linearisation, share: &Share) -> Linearisation {
+    if read.ordering.cells.is_empty() || share.is_whole() {
+        return read;
+    }
+    let mut local = vec![None; read.ordering.cells.len()];
     share.own.iter().enumerate().for_each(|(number, &cell)| local[cell] = Some(number));
-    let own: Vec<usize> = whole.ordering.own().filter_map(|cell| local[cell]).collect();
-    let (of_whole, count) = (whole.ordering.stages_of_cells(), whole.ordering.stages.len());
+    let own: Vec<usize> = read.ordering.own().filter_map(|cell| local[cell]).collect();
+    let (of_whole, count) = (read.ordering.stages_of_cells(), read.ordering.stages.len());
     let stages: Vec<usize> = share.cells().map(|cell| of_whole[cell]).collect();
-    Linearisation { state, ordering: Ordering::of_own(&own, vec![own.len()], &stages, count), ..whole }
+    Linearisation { ordering: Ordering::of_own(&own, vec![own.len()], &stages, count), ..read }
 }
 
-/// Replaces `whole` on rank 0 by the state of all ranks. A collective call.
-pub(super) fn join_state<const D: usize, const M: usize>(march: &FlowMarch<D, M>, whole: &mut State) {
-    let (state, share) = (&march.state, &march.solver.system.flow.operator.share);
-    // The memory of the old one serves the new one.
-    *whole = State::new(whole.time, Vec::new(), Vec::new());
-    let past = state.past.as_ref().map(|past| Past { u: Arc::new(share.join(&past.u)), ..past.clone() });
-    let (u, determinants) = (share.join(&state.u), share.join(&state.determinants));
-    *whole = State { u, determinants, past, ..state.clone() };
-}
-
-/// The linearisations of all ranks on rank 0, if there are any: the flow, and the stage and the position of every cell on its rank. A
+/// The stage and the position of every cell in the order of elimination of its rank, on rank 0; nothing elsewhere, or if there is no order. A
 /// collective call.
-pub(super) fn join_linearisation<const D: usize, const M: usize>(
-    march: &FlowMarch<D, M>,
-) -> Option<(Linearisation, Vec<f64>)> {
+pub(super) fn join_places<const D: usize, const M: usize>(march: &FlowMarch<D, M>) -> Vec<f64> {
     let share = &march.solver.system.flow.operator.share;
-    let frozen = march.solver.system.flow.preconditioner.frozen()?;
+    let Some(frozen) = march.solver.system.flow.preconditioner.frozen() else { return Vec::new() };
     let place = |&position: &usize| [frozen.ordering.stage(position) as f64, position as f64];
     let places: Vec<f64> = frozen.ordering.positions.iter().take(share.own.len()).flat_map(place).collect();
-    let state = Arc::new(share.join(&frozen.state));
-    let places = if places.is_empty() { places } else { share.join(&places) };
-    Some((Linearisation { state, ordering: Ordering::none(), ..frozen.clone() }, places))
+    if frozen.ordering.positions.is_empty() { Vec::new() } else { share.join(&places) }
 }
 
-/// The joined linearisation with one order of all cells: stage by stage, in each block by block as on its rank.
-pub(super) fn in_whole((joined, places): (Linearisation, Vec<f64>), blocks: &[usize]) -> Linearisation {
+/// One order of all cells: stage by stage, in each block by block as on its rank.
+pub(super) fn whole_ordering(places: &[f64], blocks: &[usize]) -> Ordering {
     if places.is_empty() {
-        return joined;
+        return Ordering::none();
     }
     let (places, _) = places.as_chunks::<2>();
     let stages: Vec<usize> = places.iter().map(|[stage, _]| *stage as usize).collect();
     let mut cells: Vec<usize> = (0..places.len()).collect();
     cells.sort_by(|&a, &b| blocks[a].cmp(&blocks[b]).then(places[a][1].total_cmp(&places[b][1])));
     let count = stages.iter().max().map_or(1, |stage| stage + 1);
-    let ordering = Ordering::of_own(&cells, vec![cells.len()], &stages, count);
-    Linearisation { ordering, ..joined }
+    Ordering::of_own(&cells, vec![cells.len()], &stages, count)
 }

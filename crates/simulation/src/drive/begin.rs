@@ -64,14 +64,15 @@ pub(super) fn begin<const D: usize, const M: usize>(
         Ok(row) => row,
         Err(error) => return Ok(Some(Stop::Failed(error, None))),
     };
-    let (velocities, flow) = match &run.state().past {
-        Some(past) => (past.v.clone(), past.u.clone()),
-        None => run.slab_at_start().map(Arc::new).into(),
+    let velocities = match &run.state().past {
+        Some(past) => past.v.clone(),
+        None => Arc::new(run.velocities_at_start()),
     };
+    let flow = &|cells| run.flow_of_slab(cells);
     let (time, displacement) = (run.state().time, &run.state().d[..]);
     let structure = StructureSnapshot::new(recorder.case(), run.state());
     let averages = &context.statistics.averages;
-    recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow: &flow, structure, averages })?;
+    recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow, structure, averages })?;
     if let Some(row) = row {
         recorder.history.push(&[row, controls::values(recorder.case())].concat())?;
         // The steady flow that the run begins with has distributions along walls; another initial state has none worth keeping.

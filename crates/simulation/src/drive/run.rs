@@ -3,10 +3,14 @@
 use crate::context::{RunContext, Stop};
 use crate::error::Failure;
 use crate::failure::Finding;
+use crate::record::Stored;
 use crate::session::Session;
 use crate::statistics::RunStatistics;
 use output::{ArraySpec, OutputError, SolverState, Summary};
+use std::borrow::Cow;
+use std::ops::Range;
 use std::path::Path;
+use std::sync::Arc;
 
 /// A march from slab to slab, and its output.
 pub(crate) trait Run {
@@ -32,8 +36,17 @@ pub(crate) trait Run {
     }
     /// Begins the balances anew, after the run was restored with other integrals of the same flow, or other energies of bodies.
     fn begin_balances(&mut self, _statistics: &mut RunStatistics) {}
-    /// Velocities and flow at the start, at every time node, laid out like those of a slab.
-    fn slab_at_start(&self) -> [Vec<f64>; 2];
+    /// Mesh velocities at the start, at every time node, laid out like those of a slab.
+    fn velocities_at_start(&self) -> Vec<f64>;
+    /// The flow of the last slab in some `cells`, `[cell][time node][component][node]`; at the start the initial state at every time node. Empty
+    /// without a flow.
+    fn flow_of_slab(&self, _cells: Range<usize>) -> Cow<'_, [f64]> {
+        Cow::default()
+    }
+    /// The flow of the last slab in all cells, if there is a flow.
+    fn whole_flow_of_slab(&self) -> Option<Arc<Vec<f64>>> {
+        None
+    }
     /// Prepares and records the start of the run; returns its row of history.csv, if it has one.
     fn open(&mut self, _context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
         Ok(None)
@@ -41,7 +54,7 @@ pub(crate) trait Run {
     /// Records a slab and reports it; returns its row of history.csv.
     fn enter(&self, report: &Self::Report, context: &mut RunContext) -> Vec<f64>;
     /// The state from which the next slab can start.
-    fn store(&self) -> SolverState;
+    fn store(&self) -> Stored<'_>;
     /// Restores the march from a checkpoint; `None` if something is missing there.
     fn restore(&mut self, stored: &SolverState) -> Option<()>;
     /// summary.json

@@ -59,18 +59,18 @@ fn finish_slab<const D: usize, const M: usize, R: Run>(
     recorder.history.push(&row)?;
     let of_controls = controls::update(case, &context.control_columns, &row, &mut context.statistics);
     let coupled::State { slab, time, d: displacement, past, .. } = run.state();
-    if let Some(Past { v: velocities, u: flow, .. }) = past
+    if let Some(Past { v: velocities, .. }) = past
         && (slab.is_multiple_of(case.output.every) || run.is_done())
     {
         let structure = StructureSnapshot::new(case, run.state());
-        let averages = &context.statistics.averages;
+        let (averages, flow) = (&context.statistics.averages, &|cells| run.flow_of_slab(cells));
         recorder.step(&Snapshot { time: *time, displacement, velocities, flow, structure, averages })?;
     }
     if case.output.surfaces_every.is_some_and(|every| slab.is_multiple_of(every)) || run.is_done() {
         append_surfaces(run, recorder)?;
     }
     run.cut(directory, run.is_done())?;
-    context.observer.state(&recorder.tell(&row, run.state()));
+    context.observer.state(&recorder.tell(&row, run.state(), &|| run.whole_flow_of_slab()));
     if recorder.is_checkpoint_due() && !is_held(run) {
         recorder.checkpoint(run.store(), &context.statistics)?;
     }

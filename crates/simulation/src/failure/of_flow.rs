@@ -7,6 +7,7 @@ use super::gas::{CellGas, Measured, Then, measure};
 use super::grid::Grid;
 use super::of_bodies;
 use super::of_mesh::{self, inverted};
+use crate::cells::StateInCells;
 use case::{Case, Flow, State};
 use coupled::{FlowMarch, Interval, MarchError, MeshMover, ResidualBreakdown, SlabError, SteadyError};
 use elasticity::ElasticityError;
@@ -18,8 +19,9 @@ pub struct Failed<'a, const D: usize, const M: usize> {
     case: &'a Case<D>,
     flow: &'a Flow<D>,
     march: &'a FlowMarch<D, M>,
-    /// The state of the whole flow.
+    /// The last good state, and the flow in all cells then.
     state: &'a coupled::State,
+    last: &'a StateInCells<'a>,
     error: Option<&'a SlabError>,
     /// The failed search for a steady flow, if it was that.
     steady: Option<&'a SteadyError>,
@@ -40,13 +42,14 @@ where
     /// The run of `case` that stopped with `error`, and the observations at its openings.
     pub fn new(
         (case, flow): (&'a Case<D>, &'a Flow<D>),
-        march: &'a FlowMarch<D, M>,
-        state: &'a coupled::State,
+        (march, last): (&'a FlowMarch<D, M>, &'a StateInCells<'a>),
         error: &'a anyhow::Error,
         openings: &'a [Record],
     ) -> Self {
+        let state = &march.state;
         let here = Interval { start: state.time, end: state.time, halvings: 0 };
-        let failed = |error, steady, interval| Failed { case, flow, march, state, error, steady, interval, openings };
+        let failed =
+            |error, steady, interval| Failed { case, flow, march, state, last, error, steady, interval, openings };
         match (error.downcast_ref::<MarchError>(), error.downcast_ref::<SteadyError>()) {
             (Some(march), _) => failed(Some(&march.source), None, march.interval),
             (None, Some(steady)) => failed(Some(&steady.source), Some(steady), here),
@@ -152,12 +155,12 @@ where
 
     /// Evaluates `question` for the last good state.
     fn with_last<T>(&self, grid: &Grid<D>, question: impl Fn(&Then<D, M>) -> T) -> T {
-        let (state, one) = (self.state, self.march.solver.system.flow.operator.layout.at_one_time());
+        let state = self.state;
         question(&Then {
             time: state.time,
             displacement: &state.d,
             velocity: &rate(self.mover(), state.time, self.case.time.step),
-            state: &|cell, _| by_point(&grid.sampler.state(&state.u[one.cell(cell)])),
+            state: &|cell, _| by_point(&grid.sampler.state(self.last.of(cell))),
         })
     }
 

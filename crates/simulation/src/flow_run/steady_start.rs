@@ -3,6 +3,7 @@
 use super::FlowRun;
 use crate::body_checks::unheld_in_equilibrium;
 use crate::context::RunContext;
+use crate::crew::Order;
 use crate::history;
 use crate::steady_search;
 use crate::walls::wall_loads;
@@ -25,10 +26,8 @@ where
         context: &mut RunContext,
     ) -> anyhow::Result<Vec<f64>> {
         let (case, flow, march) = (self.case, &*self.flow, &mut self.march);
-        let found = match &mut self.crew {
-            None => steady_search::search(case, flow, steady, march),
-            Some(crew) => crew.search_steady_flow(case, flow, steady, march),
-        };
+        let search = || steady_search::search(case, flow, steady, march);
+        let found = self.crew.all(Order::SearchSteadyFlow, search);
         let stages = found.as_ref().map_or_else(|error| &error.stages, |flow| &flow.stages);
         stages.iter().for_each(|stage| context.observer.say(&told(stage)));
         let mut found = found?;
@@ -58,10 +57,8 @@ where
     ) -> anyhow::Result<()> {
         let (case, flow, march) = (self.case, &*self.flow, &mut self.march);
         unheld_in_equilibrium(case).iter().for_each(|text| context.observer.say(&format!("warning: {text}")));
-        let Equilibrium { report, slabs, steps, iterations } = match &mut self.crew {
-            None => steady_search::release_bodies(case, flow, steady, march)?,
-            Some(crew) => crew.release_bodies(case, flow, steady, march)?,
-        };
+        let release = || steady_search::release_bodies(case, flow, steady, march);
+        let Equilibrium { report, slabs, steps, iterations } = self.crew.all(Order::ReleaseBodies, release)?;
         context
             .observer
             .say(&format!("equilibrium of flow and bodies: {slabs} slabs  newton {steps}  krylov {iterations}"));

@@ -1,10 +1,12 @@
 //! What a viewer shows of a step: points and fields in every cell.
 
-use super::layout::{drawn_fields, drawn_specs, flow_layout};
+use super::layout::{drawn_fields, flow_layout};
 use super::mesh_view::MeshView;
-use super::{Recorder, Snapshot, top};
+use super::step_parts::{Named, StepParts};
+use super::{Snapshot, StructureSnapshot, top};
 use elasticity::{Solid, Stress};
 use report::fields::{self, CellSample, Medium};
+use std::ops::Range;
 
 /// A mesh that moves.
 #[derive(Clone, Copy)]
@@ -24,31 +26,45 @@ struct Drawn {
     /// `[cell][point][3]`
     points: Vec<f64>,
     /// For every field `[cell][point][component]`.
-    fields: Vec<Vec<f64>>,
+    fields: Named,
 }
 
-impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
+impl<'a, const D: usize, const M: usize> StepParts<'a, D, M> {
     fn fields(&self) -> impl Iterator<Item = case::Field> + use<'a, D, M> {
         drawn_fields(self.case)
     }
 
-    /// Points `[cell][point][3]`, and for every field `[cell][point][component]`: cells of the flow, then those of a structure beside it.
-    pub(super) fn draw(&self, snapshot: &Snapshot) -> (Vec<f64>, Vec<Vec<f64>>) {
-        let mut drawn = Drawn { points: Vec::new(), fields: vec![Vec::new(); drawn_specs(self.case).count()] };
-        let Snapshot { displacement, velocities, flow, .. } = *snapshot;
+    /// Nothing yet.
+    fn blank(&self) -> Drawn {
+        Drawn { points: Vec::new(), fields: self.names().map(|name| (name, Vec::new())).collect() }
+    }
+
+    /// Points `[cell][point][3]`, and for every field `[cell][point][component]`: some `cells` of the mesh with their `flow`.
+    pub(super) fn draw(&self, snapshot: &Snapshot, cells: Range<usize>, flow: &[f64]) -> (Vec<f64>, Named) {
+        let Snapshot { time, displacement, velocities, .. } = *snapshot;
         let solid = self.solid.as_ref().filter(|_| self.case.flow.is_none());
-        let (determinants, of_structure) = self.reference_determinants.split_at(self.mesh.cells.len());
-        let velocity = top(velocities, displacement);
-        let time = snapshot.time;
+        let (determinants, velocity) = (&self.reference_determinants[..], top(velocities, displacement));
         let moving = Moving { mesh: &self.mesh, determinants, displacement, velocity, solid, time };
-        (0..self.mesh.cells.len())
-            .for_each(|cell| self.draw_cell(&moving, cell, self.top_state(cell, flow), &mut drawn));
-        if let Some((mesh, structure)) = self.beside.as_ref().zip(snapshot.structure.as_ref()) {
-            let (displacement, solid) = (&structure.displacement[..], self.solid.as_ref());
-            let velocity = top(&structure.velocities, displacement);
-            let moving = Moving { mesh, determinants: of_structure, displacement, velocity, solid, time };
-            (0..mesh.cells.len()).for_each(|cell| self.draw_cell(&moving, cell, &[], &mut drawn));
+        let mut drawn = self.blank();
+        for (place, cell) in cells.enumerate() {
+            self.draw_cell(&moving, cell, self.top_state(place, flow), &mut drawn);
         }
+        (drawn.points, drawn.fields)
+    }
+
+    /// The same of the structure beside the flow, on its `mesh`.
+    pub(super) fn draw_structure(
+        &self,
+        mesh: &MeshView<D>,
+        time: f64,
+        structure: &StructureSnapshot,
+    ) -> (Vec<f64>, Named) {
+        let (displacement, solid) = (&structure.displacement[..], self.solid.as_ref());
+        let (determinants, velocity) =
+            (&self.reference_determinants[self.mesh.cells.len()..], top(&structure.velocities, displacement));
+        let moving = Moving { mesh, determinants, displacement, velocity, solid, time };
+        let mut drawn = self.blank();
+        (0..mesh.cells.len()).for_each(|cell| self.draw_cell(&moving, cell, &[], &mut drawn));
         (drawn.points, drawn.fields)
     }
 
@@ -77,7 +93,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
             stress: &solid.map_or(Vec::new(), |solid| self.stress(solid, rest, &moved)),
         };
         let medium = self.case.flow.as_ref().filter(|_| solid.is_none()).map(Medium::of);
-        let mut columns = drawn.fields.iter_mut();
+        let mut columns = drawn.fields.iter_mut().map(|(_, values)| values);
         for (field, out) in self.fields().zip(&mut columns) {
             fields::values::<D, M>(field, medium.as_ref(), &sample, out);
         }
@@ -98,12 +114,12 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         (0..n).map(at).collect()
     }
 
-    /// The flow of a cell at the last time node.
-    fn top_state<'b>(&self, cell: usize, flow: &'b [f64]) -> &'b [f64] {
+    /// The flow at the last time node in the cell with this `place` in `flow`.
+    fn top_state<'b>(&self, place: usize, flow: &'b [f64]) -> &'b [f64] {
         if flow.is_empty() {
             return flow;
         }
         let layout = flow_layout::<D, M>(self.case);
-        &flow[layout.cell_at(cell, layout.time_order - 1)]
+        &flow[layout.cell_at(place, layout.time_order - 1)]
     }
 }

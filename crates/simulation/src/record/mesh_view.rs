@@ -1,6 +1,7 @@
 //! The mesh as the files of a run need it.
 
 use mesh::{Mesh, NodeNumbering};
+use std::ops::Range;
 
 /// The mesh as the recorder needs it: C0 nodes per cell and reference positions `[cell][component][node]`.
 pub struct MeshView<const D: usize> {
@@ -39,15 +40,15 @@ impl<const D: usize> MeshView<D> {
     }
 }
 
-/// Positions `[cell][component][node]` and velocities `[cell][time node][component][node]`.
+/// Positions `[cell][component][node]` and velocities `[cell][time node][component][node]` of `cells`.
 pub(super) fn exact_mesh<const D: usize>(
     mesh: &MeshView<D>,
+    cells: Range<usize>,
     displacement: &[f64],
     velocities: &[f64],
-) -> (Vec<f64>, Vec<f64>) {
-    let cells = 0..mesh.cells.len();
+) -> [Vec<f64>; 2] {
     let fields = || velocities.chunks_exact(displacement.len());
-    let positions = mesh.all_displaced(displacement);
+    let positions = cells.clone().flat_map(|cell| mesh.displaced(cell, displacement)).collect();
     let velocities = cells.flat_map(|cell| fields().flat_map(move |field| mesh.on_cell(cell, field))).collect();
-    (positions, velocities)
+    [positions, velocities]
 }

@@ -11,6 +11,7 @@
 
 use super::columns::columns;
 use super::curve;
+use crate::cells::StateInCells;
 use crate::opening_states::{FacePoints, by_node, dot_of};
 use basis::Rule;
 use case::surface_name;
@@ -36,7 +37,7 @@ pub struct SurfaceFlow<'a, const D: usize> {
     /// Its velocity, `[C0 node][component]`.
     pub velocity: &'a [f64],
     /// The state of a cell, `[component][node]`.
-    pub state: &'a dyn Fn(usize) -> &'a [f64],
+    pub state: &'a StateInCells<'a>,
     /// The quadrature of the scheme in one direction.
     pub rule: &'a Rule,
 }
@@ -153,7 +154,7 @@ impl<const D: usize> SurfaceFlow<'_, D> {
         let nodal = by_node::<D>(&seen(self.mover.cell_positions(cell, self.displacement)));
         let velocity = seen((0..D).flat_map(|i| nodes.iter().map(move |node| self.velocity[node * D + i])).collect());
         let (x, jacobians) = (points.map.positions(&nodal), points.map.jacobians(&nodal));
-        let coefficients = (self.state)(cell);
+        let coefficients = self.state.of(cell);
         let at = |p: usize| {
             let [of_flow, of_mesh] = &points.functions[p];
             let value = |m: usize, functions: &[f64]| dot_of(&coefficients[m * functions.len()..], functions);

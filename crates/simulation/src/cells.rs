@@ -1,0 +1,70 @@
+//! Numbers of the flow in some cells. With several ranks no rank has the whole flow: rank 0 receives what it asks for.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::ops::Range;
+
+/// At most so many numbers are made or received at a time: 8 MB.
+const PART: usize = 1 << 20;
+
+/// All of so many `cells`, in ranges of at most [`PART`] numbers, where each cell has `len`.
+pub fn ranges(cells: usize, len: usize) -> impl Iterator<Item = Range<usize>> + Clone {
+    let step = (PART / len.max(1)).max(1);
+    (0..cells).step_by(step).map(move |start| start..cells.min(start + step))
+}
+
+/// Where the state in some cells comes from.
+pub type StateSource<'a> = dyn Fn(Vec<usize>) -> StateInCells<'a> + 'a;
+
+/// The state at one time in some cells, or in all.
+pub struct StateInCells<'a> {
+    /// `[component][node]` for each cell.
+    values: Cow<'a, [f64]>,
+    /// Numbers in a cell.
+    len: usize,
+    /// Where the values of a cell are; in all cells they are in order.
+    places: Option<HashMap<usize, usize>>,
+}
+
+impl<'a> StateInCells<'a> {
+    /// In all cells, with `len` numbers each.
+    pub fn whole(values: &'a [f64], len: usize) -> Self {
+        StateInCells { values: values.into(), len, places: None }
+    }
+
+    /// In `cells`, with `len` numbers each.
+    pub fn some(cells: &[usize], values: Vec<f64>, len: usize) -> Self {
+        StateInCells { values: values.into(), len, places: Some(cells.iter().copied().zip(0..).collect()) }
+    }
+
+    /// The state in `cell`, `[component][node]`.
+    ///
+    /// # Panics
+    /// If `cell` is not among the cells.
+    pub fn of(&self, cell: usize) -> &[f64] {
+        let place = self.places.as_ref().map_or(cell, |places| places[&cell]);
+        &self.values[place * self.len..][..self.len]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_cover_all_cells_once() {
+        for (cells, len) in [(0, 5), (1, 1 << 22), (7, 1 << 19), (1000, 640), (3, 0)] {
+            let covered: Vec<usize> = ranges(cells, len).flatten().collect();
+            assert_eq!(covered, (0..cells).collect::<Vec<_>>());
+            assert!(ranges(cells, len).all(|range| range.len() == 1 || range.len() * len <= PART));
+        }
+    }
+
+    #[test]
+    fn a_cell_has_the_same_state_in_some_cells_as_in_all() {
+        let values = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+        let some = StateInCells::some(&[2, 0], vec![4.0, 5.0, 0.0, 1.0], 2);
+        let whole = StateInCells::whole(&values, 2);
+        assert_eq!([some.of(0), some.of(2)], [whole.of(0), whole.of(2)]);
+    }
+}
