@@ -28,6 +28,9 @@ pub struct Cost {
     /// Largest memory of the process.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub peak_memory_bytes: Option<u64>,
+    /// The same of all processes, if there are several: 0 where it is not known.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub peak_memory_of_processes: Vec<u64>,
     /// Threads used.
     pub threads: usize,
     /// Residual evaluations.

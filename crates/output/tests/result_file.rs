@@ -6,10 +6,10 @@ mod common;
 
 use std::fs;
 
-use common::{CASE, append, contents, layout, metadata, noise, run, seal, state};
+use common::{CASE, append, append_in_parts, contents, layout, metadata, noise, run, seal, state};
 use output::{
-    EarlierRun, FieldSpec, FileLayout, Metadata, OutputError, RESULT_FILE, ResultFile, ResultReader, RunDirectory,
-    SolverState, Step, inspect, read_checkpoint,
+    ArrayInParts, EarlierRun, FieldSpec, FileLayout, Metadata, OutputError, RESULT_FILE, ResultFile, ResultReader,
+    RunDirectory, SolverState, Step, inspect, read_checkpoint,
 };
 
 /// NaN is not equal to itself: compare the bits.
@@ -79,6 +79,36 @@ fn resuming_writes_the_same_file_as_running_through() {
     let (through, resumed) = (contents(&through.path().join(RESULT_FILE)), contents(&resumed.path().join(RESULT_FILE)));
     assert!(through.len() > 20, "the comparison must see the whole file: {:?}", through.keys());
     assert_eq!(through, resumed);
+}
+
+/// A step and a state in parts, as a run on several ranks writes them, make the file that whole ones make.
+#[test]
+fn parts_make_the_same_file() {
+    let (whole, in_parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    run(whole.path(), 0, 3, 1);
+    let directory = RunDirectory::open(in_parts.path()).unwrap();
+    let mut result = ResultFile::create(&directory, layout(), &metadata()).unwrap();
+    for slab in 1..=3 {
+        append_in_parts(&mut result, slab, &[0..1, 1..17, 17..40]).unwrap();
+        let mut state = state(slab);
+        let flow = state.arrays.remove("flow").unwrap();
+        let parts = flow.chunks(99).map(<[f64]>::to_vec);
+        let long = ArrayInParts { name: "flow".to_owned(), len: flow.len(), parts: Box::new(parts) };
+        result.checkpoint_with(&state, vec![long]).unwrap();
+    }
+    assert_eq!(contents(&whole.path().join(RESULT_FILE)), contents(&in_parts.path().join(RESULT_FILE)));
+}
+
+/// Nothing is published after a step that lacks a part.
+#[test]
+fn a_step_without_its_last_part_is_no_step() {
+    let directory = tempfile::tempdir().unwrap();
+    let locked = RunDirectory::open(directory.path()).unwrap();
+    let mut result = ResultFile::create(&locked, layout(), &metadata()).unwrap();
+    let error = append_in_parts(&mut result, 1, &[0..1, 1..17]).unwrap_err();
+    assert!(matches!(error, OutputError::Length { found: 459, expected: 1080, .. }), "{error}");
+    assert!(result.checkpoint(&state(1)).is_err());
+    assert!(!directory.path().join(RESULT_FILE).exists());
 }
 
 #[test]

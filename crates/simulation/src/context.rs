@@ -77,6 +77,7 @@ impl<'a> RunContext<'a> {
             wall_seconds: parts.values().map(|part| part.seconds).sum(),
             setup_seconds: self.setup_seconds,
             peak_memory_bytes: memory::peak(),
+            peak_memory_of_processes: Vec::new(),
             threads: rayon::current_num_threads(),
             residual_evaluations: self.statistics.residuals,
             jacobian_products: self.statistics.products,

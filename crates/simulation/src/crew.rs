@@ -10,6 +10,8 @@
 //! | send | send numbers of cells to rank 0 |
 //! | send places | send the order of elimination to rank 0 |
 //! | integrate, add up, measure | send integrals, sums, errors of the flow to rank 0 |
+//! | begin averages | drop averages that the run does not continue |
+//! | tell memory | send their largest memory |
 //! | finish | end |
 //!
 //! No rank has the whole flow. Rank 0 receives the cells that it observes, and for files one part of all cells after the other.
@@ -23,14 +25,15 @@ mod parts;
 
 pub use agreement::agree;
 pub use orders::{Order, Orders};
-pub use parts::OfCells;
+pub use parts::{OfCells, Own};
 
 use super::history::require_distinct_columns;
 use super::memory_estimate::require_memory;
 use super::record::Stored;
 use super::{Failure, build as building, cells, checkpoint, controls, errors, fallback, integrals, steady_search};
+use crate::averages::{AverageSums, add_slab};
 use agreement::{digest, first_other};
-use case::{AnyCase, Case, Flow, State};
+use case::{AnyCase, Averages, Case, Flow, State};
 use coupled::{FlowMarch, Linearisation, SlabReport};
 use fem::{Blocks, Bottom, Share, StateField};
 use mesh::MeshError;
@@ -90,7 +93,7 @@ impl Crew {
         case: &Case<D>,
         flow: &mut Cow<'_, Flow<D>>,
         stored: &SolverState,
-        march: &mut FlowMarch<D, M>,
+        (march, averages): (&mut FlowMarch<D, M>, &mut AverageSums),
     ) -> Option<()>
     where
         NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
@@ -98,12 +101,12 @@ impl Crew {
         Manufactured<State<D>, D>: StateField<D, M>,
     {
         if march.solver.system.flow.operator.share.is_whole() {
-            return restore(case, flow, stored, march);
+            return restore(case, flow, stored, (march, averages));
         }
         let common = parts::without_arrays(stored, case.mesh.n_cells())?;
         self.orders.give(Order::Restore, Some(&common));
         let own = parts::with_own_arrays(common, Some(stored), &march.solver.system.flow.operator.share);
-        restore(case, flow, &own, march)
+        restore(case, flow, &own, (march, averages))
     }
 
     /// Has all ranks attempt the next slab.
@@ -125,37 +128,55 @@ impl Crew {
         work()
     }
 
-    /// The numbers of some cells, from the blocks that have them.
-    pub fn gather<const D: usize, const M: usize>(
-        &self,
-        march: &FlowMarch<D, M>,
-        of: OfCells,
-        cells: &[usize],
-    ) -> Vec<f64> {
-        self.orders.give(Order::Send, Some(&parts::request(of, cells)));
-        parts::send(march, of, cells)
+    /// The largest memory of all ranks in bytes, if there are several.
+    pub fn peak_memories(&self) -> Vec<u64> {
+        self.all(Order::TellMemory, || peak_memories(&**self.orders.communicator()))
     }
 
-    /// The state with what the preconditioners of all ranks are made of. Where there are several blocks, the numbers of cells are long arrays.
-    pub fn store<'a, const D: usize, const M: usize>(&'a self, march: &'a FlowMarch<D, M>) -> Stored<'a> {
-        let (preconditioner, share) =
-            (&march.solver.system.flow.preconditioner, &march.solver.system.flow.operator.share);
-        if share.is_whole() {
-            return checkpoint::store(&march.state, preconditioner.frozen(), preconditioner.stale).into();
+    /// The numbers of some cells, from the blocks that have them.
+    pub fn gather<const D: usize, const M: usize>(&self, own: Own<D, M>, of: OfCells, cells: &[usize]) -> Vec<f64> {
+        self.orders.give(Order::Send, Some(&parts::request(of, cells)));
+        parts::send(own, of, cells)
+    }
+
+    /// The numbers of a range of cells.
+    pub fn numbers<'a, const D: usize, const M: usize>(
+        &self,
+        own: Own<'a, D, M>,
+        of: OfCells,
+        cells: Range<usize>,
+    ) -> Cow<'a, [f64]> {
+        let (share, all) = (&own.march.solver.system.flow.operator.share, of.own(own));
+        if !share.is_whole() {
+            return self.gather(own, of, &cells.collect::<Vec<usize>>()).into();
         }
+        let len = all.len() / share.own.len();
+        Cow::Borrowed(&all[cells.start * len..cells.end * len])
+    }
+
+    /// The state with what the preconditioners of all ranks are made of. Averages, and where there are several blocks all numbers of cells, are
+    /// long arrays.
+    pub fn store<'a, const D: usize, const M: usize>(&'a self, own: Own<'a, D, M>) -> Stored<'a> {
+        let (march, share) = (own.march, &own.march.solver.system.flow.operator.share);
+        let preconditioner = &march.solver.system.flow.preconditioner;
+        let mut state = match share.is_whole() {
+            true => checkpoint::store(&march.state, preconditioner.frozen(), preconditioner.stale),
+            false => self.without_cells(march),
+        };
+        state.arrays.extend(own.averages.to_arrays());
         let array = |(of, name): (OfCells, &'static str)| {
-            let len = of.own(march).len() / share.own.len();
-            let part = move |cells: Range<usize>| self.gather(march, of, &cells.collect::<Vec<usize>>());
+            let len = of.own(own).len() / share.own.len();
+            let part = move |cells: Range<usize>| self.numbers(own, of, cells).into_owned();
             let parts = Box::new(cells::ranges(share.whole_cells(), len).map(part));
             ArrayInParts { name: name.to_owned(), len: len * share.whole_cells(), parts }
         };
-        let is_there = |(of, _): &(OfCells, &str)| match of {
-            OfCells::Slab => march.state.past.is_some(),
-            OfCells::Linearised => preconditioner.frozen().is_some(),
-            OfCells::State | OfCells::Determinants => true,
+        let is_long = |(of, _): &(OfCells, &str)| match of {
+            OfCells::State | OfCells::Determinants => !share.is_whole(),
+            OfCells::Slab => !share.is_whole() && march.state.past.is_some(),
+            OfCells::Linearised => !share.is_whole() && preconditioner.frozen().is_some(),
+            OfCells::AverageOffsets | OfCells::AverageMoments => !own.averages.is_empty(),
         };
-        let long = OfCells::ALL.into_iter().filter(is_there).map(array).collect();
-        Stored { state: self.without_cells(march), long }
+        Stored { state, long: OfCells::ALL.into_iter().filter(is_long).map(array).collect() }
     }
 
     /// The state to store without the numbers of cells.
@@ -220,7 +241,7 @@ where
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
-    agree(&**communicator, require_memory(case, communicator.rank(), communicator.size()))?;
+    agree(&**communicator, require_memory(case, communicator.size()))?;
     agree(&**communicator, require_distinct_columns(case))?;
     agree(&**communicator, march_of_share(case, flow, communicator).map_err(Failure::BadInput))
 }
@@ -247,7 +268,7 @@ pub fn restore<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &mut Cow<'_, Flow<D>>,
     stored: &SolverState,
-    march: &mut FlowMarch<D, M>,
+    (march, averages): (&mut FlowMarch<D, M>, &mut AverageSums),
 ) -> Option<()>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
@@ -258,6 +279,7 @@ where
     if state.u.len() != march.state.u.len() || state.d.len() != march.state.d.len() || !march.has_bodies_of(&state) {
         return None;
     }
+    *averages = AverageSums::from_arrays(&stored.arrays)?;
     fallback::follow(case, flow, march, stored).ok()?;
     march.state = state;
     // The stages of another partition may join neighbours.
@@ -268,6 +290,15 @@ where
     }
     march.solver.system.flow.preconditioner.stale = stale;
     Some(())
+}
+
+/// The largest memory of all ranks in bytes, 0 where it is not known; empty for one rank. A collective call.
+fn peak_memories(communicator: &dyn Communicator) -> Vec<u64> {
+    if communicator.size() == 1 {
+        return Vec::new();
+    }
+    let peak = case::memory::peak().unwrap_or_default();
+    communicator.all_gather(&[peak as f64]).into_iter().flatten().map(|peak| peak as u64).collect()
 }
 
 /// Executes the orders of rank 0, until it orders to finish.
@@ -288,6 +319,7 @@ where
     let Some(flow) = &case.flow else { return };
     let mut flow = Cow::Borrowed(flow);
     let mut own: Option<FlowMarch<D, M>> = None;
+    let mut averages = AverageSums::default();
     loop {
         let (order, state) = orders::receive(&**communicator);
         match (order, &mut own) {
@@ -298,7 +330,7 @@ where
                 let common = orders::decode(&state);
                 controls::set_for_preconditioner(case, Some(&common));
                 let stored = parts::with_own_arrays(common, None, &march.solver.system.flow.operator.share);
-                restore(case, &mut flow, &stored, march);
+                restore(case, &mut flow, &stored, (march, &mut averages));
             }
             (Order::SearchSteadyFlow | Order::ReleaseBodies, Some(march)) => {
                 if let Some(steady) = &case.solver.steady {
@@ -310,17 +342,38 @@ where
             }
             (Order::Advance, Some(march)) => {
                 controls::hear(case, &orders::decode(&state));
-                // The error is that of all ranks.
-                let _ = advance(march);
+                // An error is that of all ranks.
+                if let Ok(Some(_)) = advance(march) {
+                    add_slab(case, &flow, march, &mut averages);
+                }
             }
-            (Order::Send, Some(march)) => parts::serve(march, &orders::decode(&state)),
+            (Order::BeginAverages, Some(march)) => drop(begin_averages(case, march, &mut averages)),
+            (Order::Send, Some(march)) => {
+                parts::serve(Own { march, averages: &averages }, &orders::decode(&state));
+            }
             (Order::SendPlaces, Some(march)) => drop(parts::join_places(march)),
             (Order::Integrate, Some(march)) => drop(integrals::of_run(case, &flow, march)),
             (Order::AddUp, Some(march)) => drop(add_up(march)),
             (Order::Measure, Some(march)) => drop(errors::of_cells(&flow, march)),
+            (Order::TellMemory, _) => drop(peak_memories(&**communicator)),
             (_, None) => {}
         }
     }
+}
+
+/// Drops averages of a run that this one continues if their settings or orders differ; returns whether it did.
+pub fn begin_averages<const D: usize, const M: usize>(
+    case: &Case<D>,
+    march: &FlowMarch<D, M>,
+    averages: &mut AverageSums,
+) -> bool {
+    let layout = march.solver.system.flow.operator.layout;
+    let fits = |wanted: &Averages| averages.fits::<D>(wanted, layout.cells, layout.nodes);
+    if case.averages.as_ref().is_some_and(fits) {
+        return false;
+    }
+    *averages = AverageSums::default();
+    true
 }
 
 /// The integrals of the components of the present flow, between two slabs. A collective call.

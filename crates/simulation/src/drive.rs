@@ -151,11 +151,13 @@ fn drive_in<const D: usize, const M: usize, R: Run>(
         (None, Some(start)) => take_over(&mut run, start, case)?,
         _ => restore(&mut run, resumed.as_ref(), case)?,
     };
+    // The state that was read is as large as the flow.
+    let is_resumed = resumed.map(drop).is_some();
     // A run whose search for the steady flow has failed has not begun.
-    let has_begun = resumed.is_some() && !run.awaits_start(&statistics);
+    let has_begun = is_resumed && !run.awaits_start(&statistics);
     cut_files(session, case, &run, has_begun)?;
     let mut context = RunContext::new(case, run.state().time, session, call.begun, statistics);
-    if resumed.is_some() {
+    if is_resumed {
         warn_of_end(case, run.state().time, call.observer);
     }
     if let Some(start) = call.origin.filter(|_| case.output.surfaces_every.is_some()) {

@@ -2,12 +2,12 @@
 
 mod steady_start;
 
-use super::averages::{AlongFiles, AverageSums, FlowAverages, PhaseFile};
+use super::averages::{AlongFiles, AverageSums, PhaseFile, add_slab};
 use super::bodies::is_of_body;
 use super::body_record::BodyRecord;
 use super::cells::StateInCells;
 use super::context::{RunContext, Stop};
-use super::crew::{self, Crew, OfCells, Order, Orders};
+use super::crew::{self, Crew, OfCells, Order, Orders, Own, begin_averages};
 use super::drive::{Call, Run, drive};
 use super::failure::{Failed, Finding, Grid, Then, by_point};
 use super::opening_states::OpeningStates;
@@ -63,7 +63,12 @@ where
     let mover = &march.solver.system.mesh.mover;
     let mesh = Arc::new(MeshView::new(&mover.reference, &mover.numbering));
     let (flow, surface_rule) = (Cow::Borrowed(flow), march.solver.system.flow.operator.tables.rule.clone());
-    drive::<D, M, _>(case, FlowRun { case, flow, march, crew, surface_rule }, &mesh, call)
+    drive::<D, M, _>(
+        case,
+        FlowRun { case, flow, march, averages: AverageSums::default(), crew, surface_rule },
+        &mesh,
+        call,
+    )
 }
 
 struct FlowRun<'a, const D: usize, const M: usize> {
@@ -72,6 +77,8 @@ struct FlowRun<'a, const D: usize, const M: usize> {
     flow: Cow<'a, Flow<D>>,
     /// Of the share of this rank.
     march: FlowMarch<D, M>,
+    /// The sums of averages over the cells of this rank.
+    averages: AverageSums,
     /// All ranks.
     crew: Crew,
     /// The points of distributions along walls: those of the quadrature at the start, also after a change to a split form.
@@ -91,14 +98,9 @@ where
         Layout { cells: operator.share.whole_cells(), ..operator.layout }
     }
 
-    /// Numbers of some cells of the whole flow.
-    fn numbers(&self, of: OfCells, cells: Range<usize>) -> Cow<'_, [f64]> {
-        let (share, own) = (&self.march.solver.system.flow.operator.share, of.own(&self.march));
-        if share.is_whole() {
-            let len = own.len() / share.own.len();
-            return Cow::Borrowed(&own[cells.start * len..cells.end * len]);
-        }
-        self.crew.gather(&self.march, of, &cells.collect::<Vec<usize>>()).into()
+    /// What this rank has.
+    fn own(&self) -> Own<'_, D, M> {
+        Own { march: &self.march, averages: &self.averages }
     }
 
     /// The present state in some `cells`.
@@ -108,7 +110,7 @@ where
         if operator.share.is_whole() {
             return StateInCells::whole(&self.march.state.u, len);
         }
-        StateInCells::some(cells, self.crew.gather(&self.march, OfCells::State, cells), len)
+        StateInCells::some(cells, self.crew.gather(self.own(), OfCells::State, cells), len)
     }
 
     /// The present state in the cells at some boundaries.
@@ -200,31 +202,27 @@ where
     }
 
     /// Drops the averages of a run that this one continues, if their settings or orders differ.
-    fn begin_averages(&self, sums: &mut AverageSums) {
-        let layout = self.layout();
-        let fits = |wanted: &Averages| sums.fits::<D>(wanted, layout.cells, layout.nodes);
-        if self.case.averages.as_ref().is_some_and(fits) {
-            return;
-        }
-        if self.case.averages.is_some() {
+    fn begin_averages(&mut self) {
+        let FlowRun { case, march, averages, crew, .. } = self;
+        let are_other = crew.all(Order::BeginAverages, || begin_averages(case, march, averages));
+        if are_other && case.averages.is_some() {
             tracing::warn!("the averages of the earlier run are others or in other orders; they begin anew");
         }
-        *sums = AverageSums::default();
     }
 
-    /// Adds the last slab to the averages.
-    fn average(&self, sums: &mut AverageSums) {
-        if let (Some(wanted), Some(past)) = (&self.case.averages, &self.state().past) {
-            let (layout, gas) = (self.layout(), &self.flow.law.gas);
-            let mover = &self.march.solver.system.mesh.mover;
-            let averages = FlowAverages { wanted, mover, layout, order: self.flow.order, gas };
-            averages.add::<M>(past, &|cells| self.numbers(OfCells::Slab, cells), sums);
+    /// The sums of averages over all cells, if something of them is written at the end.
+    fn whole_averages(&self) -> Cow<'_, AverageSums> {
+        if self.march.solver.system.flow.operator.share.is_whole() {
+            return Cow::Borrowed(&self.averages);
         }
+        Cow::Owned(self.averages(0..self.layout().cells))
     }
 
     /// Writes the averages over phases and along axes, if the case asks for them.
-    fn write_averages(&self, directory: &Path, sums: &AverageSums) -> anyhow::Result<()> {
-        let Some(wanted) = &self.case.averages else { return Ok(()) };
+    fn write_averages(&self, directory: &Path) -> anyhow::Result<()> {
+        let asked = |wanted: &&Averages| wanted.phases.is_some() || !wanted.along.is_empty();
+        let Some(wanted) = self.case.averages.as_ref().filter(asked) else { return Ok(()) };
+        let sums = &*self.whole_averages();
         let (mover, order) = (&self.march.solver.system.mesh.mover, self.flow.order);
         if let Some(phases) = wanted.phases {
             PhaseFile { wanted, sums, mover, order }.write(directory, phases)?;
@@ -312,11 +310,21 @@ where
 
     fn flow_of_slab(&self, cells: Range<usize>) -> Cow<'_, [f64]> {
         if self.state().past.is_some() {
-            return self.numbers(OfCells::Slab, cells);
+            return self.crew.numbers(self.own(), OfCells::Slab, cells);
         }
         let layout = self.layout();
-        let state = self.numbers(OfCells::State, cells);
+        let state = self.crew.numbers(self.own(), OfCells::State, cells);
         state.chunks_exact(layout.time_len()).flat_map(|cell| cell.repeat(layout.time_order)).collect()
+    }
+
+    fn averages(&self, cells: Range<usize>) -> AverageSums {
+        let share = &self.march.solver.system.flow.operator.share;
+        if share.is_whole() || self.averages.is_empty() {
+            return self.averages.part(&cells, share.own.len());
+        }
+        let [offsets, moments] = [OfCells::AverageOffsets, OfCells::AverageMoments]
+            .map(|of| self.crew.numbers(self.own(), of, cells.clone()).into_owned());
+        self.averages.with_cells(offsets, moments)
     }
 
     fn whole_flow_of_slab(&self) -> Option<Arc<Vec<f64>>> {
@@ -324,7 +332,7 @@ where
         if self.march.solver.system.flow.operator.share.is_whole() {
             return Some(past.u.clone());
         }
-        Some(Arc::new(self.numbers(OfCells::Slab, 0..self.layout().cells).into_owned()))
+        Some(Arc::new(self.crew.numbers(self.own(), OfCells::Slab, 0..self.layout().cells).into_owned()))
     }
 
     fn open(&mut self, context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
@@ -338,7 +346,7 @@ where
         if row.is_none() {
             self.observe(context);
         }
-        self.begin_averages(&mut context.statistics.averages);
+        self.begin_averages();
         if context.statistics.totals_at_start.is_empty() || row.is_some() {
             context.statistics.totals_at_start = self.totals();
             let start = |state: &BodyState| BodyRecord::start(state, self.state().time);
@@ -347,7 +355,7 @@ where
         Ok(row)
     }
 
-    fn enter(&self, report: &SlabReport<M>, context: &mut RunContext) -> Vec<f64> {
+    fn enter(&mut self, report: &SlabReport<M>, context: &mut RunContext) -> Vec<f64> {
         let loads = wall_loads(&self.flow, report);
         context.statistics.add(report, &loads);
         self.observe(context);
@@ -359,14 +367,14 @@ where
             residual: report.residual_norms[1] / report.residual_norms[0].max(f64::MIN_POSITIVE),
         });
         let bodies = self.march.bodies();
-        self.average(&mut context.statistics.averages);
+        add_slab(self.case, &self.flow, &self.march, &mut self.averages);
         context.statistics.add_bodies::<D, M>(&bodies, self.state().time, &report.totals, &self.walls_of_bodies());
         let row = history::row(&self.flow, report, &loads, &bodies, &context.statistics);
         [row, self.observed()].concat()
     }
 
     fn store(&self) -> Stored<'_> {
-        let mut stored = self.crew.store(&self.march);
+        let mut stored = self.crew.store(self.own());
         checkpoint::store_attempts(&mut stored.state, self.march.solver.system.counts());
         stored
     }
@@ -375,7 +383,7 @@ where
         if let Some(counts) = checkpoint::attempts(stored) {
             self.march.solver.system.set_counts(counts);
         }
-        self.crew.restore(self.case, &mut self.flow, stored, &mut self.march)
+        self.crew.restore(self.case, &mut self.flow, stored, (&mut self.march, &mut self.averages))
     }
 
     fn summary(&mut self, context: &RunContext, stop: Option<&Stop>) -> Summary {
@@ -384,7 +392,9 @@ where
             true => crew.all(Order::Measure, || errors::of_cells(flow, march)),
             false => Vec::new(),
         };
-        summary::of_flow(case, flow, (march, &errors), context, stop)
+        let mut summary = summary::of_flow(case, flow, (march, &errors), context, stop);
+        summary.cost.peak_memory_of_processes = crew.peak_memories();
+        summary
     }
 
     fn examine(&self, error: &anyhow::Error, statistics: &RunStatistics) -> Finding {
@@ -398,8 +408,8 @@ where
         cuts::write::<D, M>(self.case, (&self.at_points(), &source), directory, (self.state().slab, at_end))
     }
 
-    fn leave(&self, directory: &Path, statistics: &RunStatistics) -> anyhow::Result<()> {
-        self.write_averages(directory, &statistics.averages)?;
+    fn leave(&self, directory: &Path) -> anyhow::Result<()> {
+        self.write_averages(directory)?;
         self.write_surfaces(directory)
     }
 

@@ -110,8 +110,8 @@ impl MemoryEstimate {
         }
     }
 
-    /// Of one of several ranks: its part of the flow, and all of the mesh. The first one also has the averages of the whole flow.
-    fn of_rank<const D: usize>(case: &Case<D>, rank: usize, ranks: usize) -> Self {
+    /// Of one of several ranks: its part of the flow, and all of the mesh.
+    fn of_rank<const D: usize>(case: &Case<D>, ranks: usize) -> Self {
         let whole = MemoryEstimate::of_flow(case);
         if ranks == 1 {
             return whole;
@@ -122,7 +122,7 @@ impl MemoryEstimate {
             vectors: whole.vectors / ranks,
             most_krylov: whole.most_krylov / ranks,
             mesh: whole.mesh,
-            averages: if rank == 0 { whole.averages } else { 0 },
+            averages: whole.averages / ranks,
             steady: whole.steady.map(|[flow, mesh]| [flow / ranks, mesh]),
         }
     }
@@ -134,12 +134,12 @@ impl MemoryEstimate {
     }
 }
 
-/// Refuses a run in which this `rank`, one of `ranks`, needs more memory than is available, by a margin wider than the error of the estimate.
+/// Refuses a run in which this rank, one of `ranks`, needs more memory than is available, by a margin wider than the error of the estimate.
 ///
 /// # Errors
 /// The memory needed, and the memory available.
-pub fn require_memory<const D: usize>(case: &Case<D>, rank: usize, ranks: usize) -> Result<(), Failure> {
-    let needed = MemoryEstimate::of_rank(case, rank, ranks).peak();
+pub fn require_memory<const D: usize>(case: &Case<D>, ranks: usize) -> Result<(), Failure> {
+    let needed = MemoryEstimate::of_rank(case, ranks).peak();
     let Some(_) = memory::shortage((needed as f64 / MARGIN) as u64) else { return Ok(()) };
     let shortage = memory::shortage(needed as u64).unwrap_or_default();
     Err(Failure::bad_input(anyhow::anyhow!(

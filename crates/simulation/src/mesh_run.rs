@@ -76,7 +76,7 @@ impl<const D: usize> Run for MeshRun<'_, D> {
         vec![0.0; self.march.state.d.len() * self.case.time.order]
     }
 
-    fn enter(&self, report: &MeshReport, context: &mut RunContext) -> Vec<f64> {
+    fn enter(&mut self, report: &MeshReport, context: &mut RunContext) -> Vec<f64> {
         let MeshReport { slab, interval, rejected, work, quality, first_invalid, first_invalid_sampled } = report;
         let statistics = &mut context.statistics;
         statistics.rejected += *rejected as u64;

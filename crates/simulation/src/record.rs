@@ -8,7 +8,7 @@ mod step_parts;
 pub use mesh_view::MeshView;
 
 use super::averages::fields::{self as averages, AverageFields};
-use super::averages::{AverageSums, FILES as FILES_OF_AVERAGES, FlowInCells};
+use super::averages::{AverageSums, FILES as FILES_OF_AVERAGES};
 use super::bodies::beside_flow;
 use super::history::columns;
 use super::resume;
@@ -21,6 +21,8 @@ use coupled::block::BodyState;
 use layout::{fingerprint, flow_order, layout, metadata};
 use output::{ArrayInParts, ArraySpec, History, Metadata, OutputError, ResultFile, SolverState};
 use report::REPORT_FILE;
+use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
 use step_parts::StepParts;
 
@@ -33,11 +35,11 @@ pub struct Snapshot<'a> {
     /// The velocities of the slab that ends at that time, `[time node][C0 node][component]`.
     pub velocities: &'a [f64],
     /// The flow of that slab in some cells; empty without one.
-    pub flow: &'a FlowInCells<'a>,
+    pub flow: &'a dyn Fn(Range<usize>) -> Cow<'a, [f64]>,
     /// The structure beside it.
     pub structure: Option<StructureSnapshot>,
-    /// Sums of the averages over time.
-    pub averages: &'a AverageSums,
+    /// Sums of the averages over time in some cells.
+    pub averages: &'a dyn Fn(Range<usize>) -> AverageSums,
 }
 
 /// A structure beside a flow at the end of a slab, and within it.

@@ -1,6 +1,5 @@
 //! Sums over a run, for summary.json; they go into checkpoints.
 
-use super::averages::AverageSums;
 use super::body_record::BodyRecord;
 use super::fallback;
 use super::openings::Record;
@@ -71,8 +70,6 @@ pub struct RunStatistics {
     pub bodies: Vec<BodyRecord>,
     /// The largest error of the energy of gas and bodies together, relative to that of the gas at the start.
     pub coupled_energy_error: f64,
-    /// Sums of the averages over time.
-    pub averages: AverageSums,
 }
 
 /// The energy balance of a structure since the start of the run.
@@ -332,7 +329,7 @@ impl RunStatistics {
             ("statistics.mass_flows".into(), self.mass_flows.clone()),
             ("statistics.openings".into(), self.openings.iter().flat_map(|record| record.to_numbers()).collect()),
         ];
-        sums.into_iter().map(|(name, values)| (name, values.into())).chain(self.averages.to_arrays()).collect()
+        sums.into_iter().map(|(name, values)| (name, values.into())).collect()
     }
 
     /// Back from named numbers, for a run with a number of `walls`; `None` if some are missing.
@@ -374,7 +371,6 @@ impl RunStatistics {
             openings: get("openings")?.as_chunks().0.iter().map(Record::from_numbers).collect::<Option<_>>()?,
             controls: get("controls").unwrap_or_default().to_vec(),
             controls_of_preconditioner: get("controls_of_preconditioner").unwrap_or_default().to_vec(),
-            averages: AverageSums::from_arrays(arrays)?,
         })
     }
 }

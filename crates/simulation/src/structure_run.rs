@@ -122,7 +122,7 @@ impl<const D: usize> Run for StructureRun<'_, D> {
         Ok(None)
     }
 
-    fn enter(&self, report: &StructureReport, context: &mut RunContext) -> Vec<f64> {
+    fn enter(&mut self, report: &StructureReport, context: &mut RunContext) -> Vec<f64> {
         context.statistics.add_structure(report);
         let (body, time) = (self.as_body(context), self.march.state.time);
         context.statistics.bodies.iter_mut().for_each(|record| record.add(&body, time));

@@ -128,6 +128,33 @@ where
     }
 }
 
+/// Rank 0 receives the numbers of the cells that it asks for, in its order, and gives every rank those of its own cells. No number goes to another
+/// rank than these.
+#[test]
+fn cells_are_gathered_and_scattered() {
+    let mesh = curved_box::<2>(4, 2);
+    let blocks = Blocks { of_cell: mesh::blocks(&mesh, BLOCKS).unwrap(), groups: 1 };
+    let number = |cell: usize, i: usize| (10 * cell + i) as f64;
+    let wanted = [7, 0, 15, 3, 8];
+    Threads::run(3, |communicator| {
+        let counting = Arc::new(Counting::new(communicator));
+        let sums = Arc::new(Sums::new(counting.clone() as Arc<dyn Communicator>, BLOCKS));
+        let share = Share::new(&mesh, &blocks, sums);
+        let is_first = counting.rank() == 0;
+        let whole: Vec<f64> = (0..16).flat_map(|cell| [number(cell, 0), number(cell, 1)]).collect();
+        let own = share.scatter(if is_first { &whole } else { &[] }, 2);
+        assert_eq!(own, share.own.iter().flat_map(|&cell| [number(cell, 0), number(cell, 1)]).collect::<Vec<f64>>());
+        let all = share.join(&own);
+        assert_eq!(all, if is_first { whole } else { Vec::new() });
+        counting.reset();
+        let expected: Vec<f64> = wanted.iter().flat_map(|&cell| [number(cell, 0), number(cell, 1)]).collect();
+        assert_eq!(share.gather(&own, &wanted), if is_first { expected } else { Vec::new() });
+        let sent = if is_first { 0 } else { 16 * share.own.iter().filter(|cell| wanted.contains(cell)).count() };
+        assert_eq!(counting.reset().bytes, sent as u64);
+        assert!(share.gather(&own, &[]).is_empty() && share.scatter(&[], 0).is_empty());
+    });
+}
+
 #[test]
 fn shares_make_the_whole() {
     assert_shares_make_the_whole::<2, 4>(5);

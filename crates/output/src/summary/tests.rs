@@ -91,6 +91,7 @@ fn full() -> Summary {
             wall_seconds: 2.5,
             setup_seconds: 0.5,
             peak_memory_bytes: Some(1 << 20),
+            peak_memory_of_processes: vec![1 << 20, 1 << 19],
             threads: 2,
             residual_evaluations: 100,
             jacobian_products: 81,
@@ -123,7 +124,8 @@ fn contract() -> Value {
         "structure": { "natural_frequencies": [0.5, 1.5], "energy_at_start": 1.0, "energy": 1.25, "load_work": 0.5,
                        "support_work": -0.125, "dissipation": 0.125, "energy_error": 1e-16, "iterations": 99 },
         "machine": { "processor": "Fast 3000", "processors": 2, "system": "linux x86_64" },
-        "cost": { "wall_seconds": 2.5, "setup_seconds": 0.5, "peak_memory_bytes": 1_048_576, "threads": 2,
+        "cost": { "wall_seconds": 2.5, "setup_seconds": 0.5, "peak_memory_bytes": 1_048_576,
+            "peak_memory_of_processes": [1_048_576, 524_288], "threads": 2,
                   "residual_evaluations": 100, "jacobian_products": 81,
                   "parts": { "product": { "seconds": 1.5, "calls": 81 } } }
     })

@@ -3,9 +3,13 @@
 #![allow(clippy::unwrap_used, dead_code)]
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::Path;
 
-use output::{ArraySpec, FieldSpec, FileLayout, Grid, Metadata, RestMesh, ResultFile, RunDirectory, SolverState, Step};
+use output::{
+    ArraySpec, FieldSpec, FileLayout, Grid, Metadata, OutputError, RestMesh, ResultFile, RunDirectory, SolverState,
+    Step,
+};
 
 pub const CASE: &str = "0123456789abcdef";
 
@@ -65,6 +69,24 @@ pub fn append(result: &mut ResultFile, slab: u64) {
     let flow = noise(slab + 300, layout.exact[0].len());
     let fields: [(&str, &[f64]); 2] = [("density", &density), ("velocity", &velocity)];
     result.append(&Step { time: slab as f64, points: &x, fields: &fields, exact: &[("flow", &flow)] }).unwrap();
+}
+
+/// The step of [`append`], in parts of these cells.
+pub fn append_in_parts(result: &mut ResultFile, slab: u64, parts: &[Range<usize>]) -> Result<(), OutputError> {
+    let layout = layout();
+    let (points, of_flow) = (layout.grid.points(), layout.exact[0].len());
+    let arrays = [(slab, 3 * points), (slab + 100, points), (slab + 200, 3 * points), (slab + 300, of_flow)];
+    let arrays = arrays.map(|(seed, count)| noise(seed, count));
+    let mut step = result.append_in_parts(slab as f64)?;
+    for cells in parts {
+        let [x, density, velocity, flow] = arrays.each_ref().map(|values| {
+            let len = values.len() / layout.grid.cells;
+            &values[cells.start * len..cells.end * len]
+        });
+        let fields: [(&str, &[f64]); 2] = [("density", density), ("velocity", velocity)];
+        step.add(&Step { time: slab as f64, points: x, fields: &fields, exact: &[("flow", flow)] })?;
+    }
+    step.finish()
 }
 
 /// Runs slabs `from`..`to` with a checkpoint after every `interval` slabs, resuming if `from` is not 0.

@@ -28,45 +28,50 @@ mod sums;
 pub use along::AlongFiles;
 pub use moments::{Averaged, Moments};
 pub use phase_file::PhaseFile;
-pub use sums::AverageSums;
+pub use sums::{AverageSums, MOMENTS, OFFSETS};
 
-use crate::cells;
 use basis::{RadauTime, gauss, gauss_lobatto};
-use case::Averages;
-use coupled::{MeshMover, Past};
+use case::{Averages, Case, Flow};
+use coupled::blocks::FlowBlock;
+use coupled::{FlowMarch, MeshMover, Past};
 use fem::{Layout, Sampler};
 use intervals::{Part, parts};
 use moments::AveragedQuantity;
 use navier_stokes::{Gas, Primitive};
 use rayon::prelude::*;
 use std::array::from_fn;
-use std::borrow::Cow;
-use std::ops::Range;
 
 /// Names of the files of averages.
 pub const FILES: [&str; 3] = [phase_file::PHASE_FILE, along::TABLE, along::VIEWER_FILE];
 
-/// The averages of a case, and the slabs that it averages.
-pub struct FlowAverages<'a, const D: usize> {
-    /// What the case asks for.
-    pub wanted: &'a Averages,
-    /// The mesh.
-    pub mover: &'a MeshMover<D>,
-    /// The layout of the flow in a slab.
-    pub layout: Layout,
-    /// Nodes per direction of the flow.
-    pub order: usize,
-    /// The gas.
-    pub gas: &'a Gas,
+/// Adds the last slab of `march` to the `sums` over the cells of this rank, if `case` asks for averages.
+pub fn add_slab<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    march: &FlowMarch<D, M>,
+    sums: &mut AverageSums,
+) {
+    let (Some(wanted), Some(past)) = (&case.averages, &march.state.past) else { return };
+    let FlowBlock { operator, .. } = &march.solver.system.flow;
+    let (mover, gas) = (&march.solver.system.mesh.mover, &flow.law.gas);
+    let (cells, layout) = (&operator.share.own[..], operator.layout);
+    FlowAverages { wanted, mover, cells, layout, order: flow.order, gas }.add::<M>(past, sums);
 }
 
-/// The flow of a slab in some cells.
-pub type FlowInCells<'a> = dyn Fn(Range<usize>) -> Cow<'a, [f64]> + 'a;
-
-/// The `flow` of a slab in cells from the `first` one on.
-struct SlabInCells<'a> {
-    first: usize,
-    flow: &'a [f64],
+/// The averages of a case, and the slabs that it averages.
+struct FlowAverages<'a, const D: usize> {
+    /// What the case asks for.
+    wanted: &'a Averages,
+    /// The mesh.
+    mover: &'a MeshMover<D>,
+    /// The cells of this rank by their numbers in the mesh.
+    cells: &'a [usize],
+    /// The layout of their flow in a slab.
+    layout: Layout,
+    /// Nodes per direction of the flow.
+    order: usize,
+    /// The gas.
+    gas: &'a Gas,
 }
 
 /// A time at which a slab is evaluated.
@@ -83,8 +88,8 @@ struct TimeSample {
 }
 
 impl<const D: usize> FlowAverages<'_, D> {
-    /// Adds the slab `past` to the `sums`; `flow` is its flow in some cells.
-    pub fn add<const M: usize>(&self, past: &Past, flow: &FlowInCells, sums: &mut AverageSums) {
+    /// Adds the slab `past` to the `sums`.
+    fn add<const M: usize>(&self, past: &Past, sums: &mut AverageSums) {
         let moments = Moments::new::<D>(&self.wanted.fields);
         let parts = parts(self.wanted, past.interval.start, past.interval.end);
         if parts.is_empty() {
@@ -97,15 +102,10 @@ impl<const D: usize> FlowAverages<'_, D> {
         if sums.is_empty() {
             let displacement = if self.wanted.phases.is_some() { past.bottom.len() } else { 0 };
             *sums = AverageSums::new(self.wanted, [self.layout.cells, moments.len(), self.layout.nodes], displacement);
+            sums.offsets = self.at::<M>(&moments, past, &samples[0]);
         }
         parts.iter().for_each(|part| sums.durations[part.phase] += part.end - part.start);
-        for cells in cells::ranges(self.layout.cells, self.layout.cell_len()) {
-            let here = SlabInCells { first: cells.start, flow: &flow(cells.clone()) };
-            if sums.offsets.len() < cells.end * moments.quantities.len() * self.layout.nodes {
-                sums.offsets.extend(self.at::<M>(&moments, &here, &samples[0]));
-            }
-            self.add_flow::<M>(&moments, &here, &samples, sums);
-        }
+        self.add_flow::<M>(&moments, past, &samples, sums);
         if !sums.displacements.is_empty() {
             samples.iter().for_each(|sample| add_mesh(past, sample, sums));
         }
@@ -129,23 +129,16 @@ impl<const D: usize> FlowAverages<'_, D> {
         rule.points.iter().zip(&rule.weights).map(sample).collect()
     }
 
-    /// The quantities of cells at a time, `[cell][quantity][node]`.
-    fn at<const M: usize>(&self, moments: &Moments, here: &SlabInCells, sample: &TimeSample) -> Vec<f64> {
-        let count = here.flow.len() / self.layout.cell_len();
-        (0..count).flat_map(|place| self.of_cell::<M>(moments, here, place, sample)).collect()
+    /// The quantities of all cells at a time, `[cell][quantity][node]`.
+    fn at<const M: usize>(&self, moments: &Moments, past: &Past, sample: &TimeSample) -> Vec<f64> {
+        (0..self.layout.cells).flat_map(|cell| self.of_cell::<M>(moments, past, cell, sample)).collect()
     }
 
-    /// The quantities of the cell at a `place` among the cells, at a time, `[quantity][node]`.
-    fn of_cell<const M: usize>(
-        &self,
-        moments: &Moments,
-        here: &SlabInCells,
-        place: usize,
-        sample: &TimeSample,
-    ) -> Vec<f64> {
-        let states = self.states::<M>(&here.flow[self.layout.cell(place)], sample);
+    /// The quantities of a cell at a time, `[quantity][node]`.
+    fn of_cell<const M: usize>(&self, moments: &Moments, past: &Past, cell: usize, sample: &TimeSample) -> Vec<f64> {
+        let states = self.states::<M>(&past.u[self.layout.cell(cell)], sample);
         let gradients = match moments.need_gradient() {
-            true => self.gradients(&states, &self.mover.cell_positions(here.first + place, &sample.displacement)),
+            true => self.gradients(&states, &self.mover.cell_positions(self.cells[cell], &sample.displacement)),
             false => vec![[[0.0; D]; D]; states.len()],
         };
         let at_nodes = || states.iter().zip(&gradients);
@@ -177,22 +170,13 @@ impl<const D: usize> FlowAverages<'_, D> {
     }
 
     /// Adds the moments. Every cell has its own sums, so they have the same bits for any number of threads.
-    fn add_flow<const M: usize>(
-        &self,
-        moments: &Moments,
-        here: &SlabInCells,
-        samples: &[TimeSample],
-        sums: &mut AverageSums,
-    ) {
+    fn add_flow<const M: usize>(&self, moments: &Moments, past: &Past, samples: &[TimeSample], sums: &mut AverageSums) {
         let (nodes, AverageSums { moments: of_run, offsets, durations, .. }) = (self.layout.nodes, sums);
         let (each, first) = (durations.len() * moments.len() * nodes, moments.quantities.len() * nodes);
-        let count = here.flow.len() / self.layout.cell_len();
-        let (of_run, offsets) =
-            (&mut of_run[here.first * each..][..count * each], &offsets[here.first * first..][..count * first]);
         of_run.par_chunks_exact_mut(each).zip(offsets.par_chunks_exact(first)).enumerate().for_each(
-            |(place, (sums, offsets))| {
+            |(cell, (sums, offsets))| {
                 for sample in samples {
-                    let mut values = self.of_cell::<M>(moments, here, place, sample);
+                    let mut values = self.of_cell::<M>(moments, past, cell, sample);
                     values.iter_mut().zip(offsets).for_each(|(value, offset)| *value -= offset);
                     let length = moments.len() * nodes;
                     moments.add(&values, sample.weight, &mut sums[sample.phase * length..][..length]);

@@ -3,11 +3,16 @@
 use super::moments::{Averaged, Moments};
 use case::Averages;
 use output::Arrays;
+use std::ops::Range;
 
 /// The beginning of the names of the arrays.
 const NAME: &str = "statistics.averages";
+/// The array of the offsets, which has numbers of every cell.
+pub const OFFSETS: &str = "statistics.averages.offsets";
+/// The array of the sums, which has numbers of every cell.
+pub const MOMENTS: &str = "statistics.averages.moments";
 
-/// The sums of a run; empty before the first slab that is averaged.
+/// The sums of a run over the cells of a rank; empty before the first slab that is averaged.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AverageSums {
     /// What is averaged, as numbers, see `plan`.
@@ -102,19 +107,34 @@ impl AverageSums {
         self.displacements[phase * length..][..length].iter().map(|sum| sum / self.durations[phase]).collect()
     }
 
-    /// As named numbers; none before the first slab that is averaged.
+    /// Numbers in every cell: offsets and sums, with so many `nodes`.
+    pub fn cell_len<const D: usize>(wanted: &Averages, nodes: usize) -> usize {
+        let (moments, phases) = (Moments::new::<D>(&wanted.fields), wanted.phases.map_or(1, |phases| phases.count));
+        (moments.quantities.len() + phases * moments.len()) * nodes
+    }
+
+    /// The sums over a range of the `all` cells that these cover.
+    pub fn part(&self, cells: &Range<usize>, all: usize) -> Self {
+        let part = |values: &[f64]| {
+            let len = values.len() / all;
+            values[cells.start * len..cells.end * len].to_vec()
+        };
+        self.with_cells(part(&self.offsets), part(&self.moments))
+    }
+
+    /// The same averages, with the offsets and the sums of other cells.
+    pub fn with_cells(&self, offsets: Vec<f64>, moments: Vec<f64>) -> Self {
+        let AverageSums { plan, durations, displacements, .. } = self;
+        let (plan, durations, displacements) = (plan.clone(), durations.clone(), displacements.clone());
+        AverageSums { plan, durations, offsets, moments, displacements }
+    }
+
+    /// As named numbers, without those of cells; none before the first slab that is averaged.
     pub fn to_arrays(&self) -> Arrays {
         if self.is_empty() {
             return Arrays::new();
         }
-        let AverageSums { plan, durations, offsets, moments, displacements } = self;
-        let arrays = [
-            ("plan", plan),
-            ("durations", durations),
-            ("offsets", offsets),
-            ("moments", moments),
-            ("displacements", displacements),
-        ];
+        let arrays = [("plan", &self.plan), ("durations", &self.durations), ("displacements", &self.displacements)];
         arrays.map(|(name, values)| (format!("{NAME}.{name}"), values.clone().into())).into()
     }
 

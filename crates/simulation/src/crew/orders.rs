@@ -23,15 +23,19 @@ pub enum Order {
     SendPlaces,
     /// Send the integrals over each of their cells.
     Integrate,
+    /// Drop averages that the run does not continue.
+    BeginAverages,
     /// Add up the components of the flow.
     AddUp,
     /// Send the errors of each of their cells.
     Measure,
+    /// Tell their largest memory.
+    TellMemory,
     /// End.
     Finish,
 }
 
-const ORDERS: [Order; 11] = [
+const ORDERS: [Order; 13] = [
     Order::Build,
     Order::Restore,
     Order::SearchSteadyFlow,
@@ -40,8 +44,10 @@ const ORDERS: [Order; 11] = [
     Order::Send,
     Order::SendPlaces,
     Order::Integrate,
+    Order::BeginAverages,
     Order::AddUp,
     Order::Measure,
+    Order::TellMemory,
     Order::Finish,
 ];
 

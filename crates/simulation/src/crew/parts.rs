@@ -1,5 +1,6 @@
 //! What ranks have of the flow: each of its own cells.
 
+use crate::averages::{AverageSums, MOMENTS, OFFSETS};
 use crate::checkpoint;
 use coupled::preconditioner::Ordering;
 use coupled::{FlowMarch, Linearisation, Past, State};
@@ -18,19 +19,41 @@ pub enum OfCells {
     Slab,
     /// The flow that the preconditioner is made of.
     Linearised,
+    /// The offsets of averages, `[quantity][node]`.
+    AverageOffsets,
+    /// The sums of averages, `[phase][sum][node]`.
+    AverageMoments,
 }
+
+/// What a rank has of the run.
+pub struct Own<'a, const D: usize, const M: usize> {
+    /// Its march.
+    pub march: &'a FlowMarch<D, M>,
+    /// Its sums of averages.
+    pub averages: &'a AverageSums,
+}
+
+impl<const D: usize, const M: usize> Clone for Own<'_, D, M> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<const D: usize, const M: usize> Copy for Own<'_, D, M> {}
 
 impl OfCells {
     /// All, with the names of their arrays in a checkpoint.
-    pub const ALL: [(OfCells, &str); 4] = [
+    pub const ALL: [(OfCells, &str); 6] = [
         (OfCells::State, checkpoint::FLOW),
         (OfCells::Determinants, checkpoint::DETERMINANTS),
         (OfCells::Slab, checkpoint::PAST_FLOW),
         (OfCells::Linearised, checkpoint::FROZEN_FLOW),
+        (OfCells::AverageOffsets, OFFSETS),
+        (OfCells::AverageMoments, MOMENTS),
     ];
 
     /// Of the own cells of this rank; empty if there is no such array.
-    pub fn own<const D: usize, const M: usize>(self, march: &FlowMarch<D, M>) -> &[f64] {
+    pub fn own<const D: usize, const M: usize>(self, Own { march, averages }: Own<'_, D, M>) -> &[f64] {
         let State { u, determinants, past, .. } = &march.state;
         match self {
             OfCells::State => u,
@@ -40,6 +63,8 @@ impl OfCells {
                 let frozen = march.solver.system.flow.preconditioner.frozen();
                 frozen.map_or(&[][..], |frozen| &frozen.state[..])
             }
+            OfCells::AverageOffsets => &averages.offsets,
+            OfCells::AverageMoments => &averages.moments,
         }
     }
 }
@@ -72,16 +97,16 @@ pub(super) fn request(of: OfCells, cells: &[usize]) -> SolverState {
 }
 
 /// The numbers of `cells` on rank 0, nothing elsewhere. A collective call.
-pub(super) fn send<const D: usize, const M: usize>(march: &FlowMarch<D, M>, of: OfCells, cells: &[usize]) -> Vec<f64> {
-    march.solver.system.flow.operator.share.gather(of.own(march), cells)
+pub(super) fn send<const D: usize, const M: usize>(own: Own<D, M>, of: OfCells, cells: &[usize]) -> Vec<f64> {
+    own.march.solver.system.flow.operator.share.gather(of.own(own), cells)
 }
 
 /// Does what a [`request`] asks for.
-pub(super) fn serve<const D: usize, const M: usize>(march: &FlowMarch<D, M>, request: &SolverState) {
+pub(super) fn serve<const D: usize, const M: usize>(own: Own<D, M>, request: &SolverState) {
     let of = request.integers.get(OF).and_then(|&of| OfCells::ALL.get(of as usize));
     if let Some((of, _)) = of {
         let cells = request.arrays.get(CELLS).map_or(&[][..], |cells| &cells[..]);
-        send(march, *of, &cells.iter().map(|&cell| cell as usize).collect::<Vec<usize>>());
+        send(own, *of, &cells.iter().map(|&cell| cell as usize).collect::<Vec<usize>>());
     }
 }
 

@@ -71,7 +71,7 @@ pub(super) fn begin<const D: usize, const M: usize>(
     let flow = &|cells| run.flow_of_slab(cells);
     let (time, displacement) = (run.state().time, &run.state().d[..]);
     let structure = StructureSnapshot::new(recorder.case(), run.state());
-    let averages = &context.statistics.averages;
+    let averages = &|cells| run.averages(cells);
     recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow, structure, averages })?;
     if let Some(row) = row {
         recorder.history.push(&[row, controls::values(recorder.case())].concat())?;

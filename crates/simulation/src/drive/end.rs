@@ -25,7 +25,7 @@ pub(super) fn close<const D: usize, const M: usize>(
     session.observer.finish();
     let summary = run.summary(context, stop);
     summary.write(&session.directory)?;
-    run.leave(session.directory.path(), &context.statistics).map_err(Failure::solve)?;
+    run.leave(session.directory.path()).map_err(Failure::solve)?;
     Ok(summary)
 }
 

@@ -1,5 +1,6 @@
 //! What is driven from slab to slab: a flow, a structure or a mesh.
 
+use crate::averages::AverageSums;
 use crate::context::{RunContext, Stop};
 use crate::error::Failure;
 use crate::failure::Finding;
@@ -43,6 +44,10 @@ pub(crate) trait Run {
     fn flow_of_slab(&self, _cells: Range<usize>) -> Cow<'_, [f64]> {
         Cow::default()
     }
+    /// The sums of averages in some `cells`.
+    fn averages(&self, _cells: Range<usize>) -> AverageSums {
+        AverageSums::default()
+    }
     /// The flow of the last slab in all cells, if there is a flow.
     fn whole_flow_of_slab(&self) -> Option<Arc<Vec<f64>>> {
         None
@@ -52,7 +57,7 @@ pub(crate) trait Run {
         Ok(None)
     }
     /// Records a slab and reports it; returns its row of history.csv.
-    fn enter(&self, report: &Self::Report, context: &mut RunContext) -> Vec<f64>;
+    fn enter(&mut self, report: &Self::Report, context: &mut RunContext) -> Vec<f64>;
     /// The state from which the next slab can start.
     fn store(&self) -> Stored<'_>;
     /// Restores the march from a checkpoint; `None` if something is missing there.
@@ -76,7 +81,7 @@ pub(crate) trait Run {
     ///
     /// # Errors
     /// A file that cannot be written.
-    fn leave(&self, _directory: &Path, _statistics: &RunStatistics) -> anyhow::Result<()> {
+    fn leave(&self, _directory: &Path) -> anyhow::Result<()> {
         Ok(())
     }
     /// The final verdict on a run that has reached its end.

@@ -48,7 +48,7 @@ pub(super) fn run_slabs<const D: usize, const M: usize>(
 /// Writes what a slab has given. Returns the error of the controls, if one of them has no value for the next slab.
 fn finish_slab<const D: usize, const M: usize, R: Run>(
     case: &Case<D>,
-    run: &R,
+    run: &mut R,
     report: &R::Report,
     recorder: &mut Recorder<D, M>,
     context: &mut RunContext,
@@ -63,7 +63,7 @@ fn finish_slab<const D: usize, const M: usize, R: Run>(
         && (slab.is_multiple_of(case.output.every) || run.is_done())
     {
         let structure = StructureSnapshot::new(case, run.state());
-        let (averages, flow) = (&context.statistics.averages, &|cells| run.flow_of_slab(cells));
+        let (averages, flow) = (&|cells| run.averages(cells), &|cells| run.flow_of_slab(cells));
         recorder.step(&Snapshot { time: *time, displacement, velocities, flow, structure, averages })?;
     }
     if case.output.surfaces_every.is_some_and(|every| slab.is_multiple_of(every)) || run.is_done() {

@@ -72,7 +72,9 @@ impl<'a, const D: usize, const M: usize> StepParts<'a, D, M> {
 
     /// The ranges of cells that make a part each.
     pub(super) fn ranges(&self) -> impl Iterator<Item = Range<usize>> + use<D, M> {
-        cells::ranges(self.mesh.cells.len(), flow_layout::<D, M>(self.case).cell_len())
+        let nodes = flow_order(self.case).pow(D as u32);
+        let of_averages = self.case.averages.as_ref().map_or(0, |wanted| AverageSums::cell_len::<D>(wanted, nodes));
+        cells::ranges(self.mesh.cells.len(), flow_layout::<D, M>(self.case).cell_len().max(of_averages))
     }
 
     /// The part of some `cells` of the mesh.
@@ -84,16 +86,16 @@ impl<'a, const D: usize, const M: usize> StepParts<'a, D, M> {
         if self.case.flow.is_some() {
             exact.push(("flow".to_owned(), flow.into_owned()));
         }
-        self.add_averages(snapshot.averages, cells, (&mut fields, &mut exact));
+        self.add_averages(cells.len(), &(snapshot.averages)(cells), (&mut fields, &mut exact));
         StepPart { time: snapshot.time, points, fields, exact }
     }
 
-    /// The averages up to now in some `cells`.
-    fn add_averages(&self, sums: &AverageSums, cells: Range<usize>, (fields, exact): (&mut Named, &mut Named)) {
+    /// The averages up to now, from the `sums` over so many `cells`.
+    fn add_averages(&self, cells: usize, sums: &AverageSums, (fields, exact): (&mut Named, &mut Named)) {
         let Some(of_mesh) = average_fields(self.case, sums) else { return };
         let nodes = flow_order(self.case).pow(D as u32);
         for average in of_mesh.averages() {
-            let coefficients = of_mesh.coefficients(average, None, cells.clone());
+            let coefficients = of_mesh.coefficients(average, None, 0..cells);
             let drawn = averages::drawn::<D>(average, &coefficients, nodes, &self.sampler);
             fields.push((average.name.clone(), drawn));
             exact.push((average.name.clone(), coefficients));
@@ -104,7 +106,7 @@ impl<'a, const D: usize, const M: usize> StepParts<'a, D, M> {
     pub(super) fn of_structure(&self, snapshot: &Snapshot) -> Option<StepPart> {
         let (mesh, structure) = self.beside.as_ref().zip(snapshot.structure.as_ref())?;
         let (points, mut fields) = self.draw_structure(mesh, snapshot.time, structure);
-        if let Some(of_mesh) = average_fields(self.case, snapshot.averages) {
+        if let Some(of_mesh) = average_fields(self.case, &AverageSums::default()) {
             let none = |average: &Averaged| {
                 let numbers = points.len() / 3 * averages::spec(average).components;
                 (average.name.clone(), vec![f64::NAN; numbers])
