@@ -16,6 +16,7 @@ import sys
 import tempfile
 import threading
 import time
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -121,6 +122,16 @@ def test_fields_of_slabs_are_no_copies_and_cannot_be_written(directory):
         assert np.shares_memory(array, again) and not array.flags.owndata, field
         raised(ValueError, lambda: array.fill(0.0))
         raised(ValueError, lambda: array.setflags(write=True))
+
+
+def test_only_false_stops_a_run(directory):
+    """A callback that ended in a count, an empty text or an array stopped the run, or failed."""
+    case = stsolve.Case(CASES / "vortex.toml", VORTEX)
+    for answer in (None, 0, 0.0, "", [], np.zeros(2), np.True_):
+        assert case.run(output=directory, existing="replace", on_slab=lambda slab, answer=answer: answer)["completed"], answer
+    for answer in (False, np.False_):
+        summary = case.run(output=directory, existing="replace", on_slab=lambda slab, answer=answer: answer)
+        assert not summary["completed"], answer
 
 
 def test_slabs_of_a_mesh_and_of_a_structure(directory):
@@ -392,6 +403,29 @@ def test_boundary_layer_of_a_known_profile(directory):
     assert all(np.isnan(values).all() for values in beyond.values()), "the lines leave the mesh"
 
 
+def test_boundary_layer_reaches_the_end_of_its_line(directory):
+    """The edge was sought at nodes up to 0.99965 of the line alone: in u = y its velocity was 3.5e-4 too small."""
+    case = directory.parent / "linear.toml"
+    settings = {
+        "mesh": {"order": 2, "generate": {"box": {"lower": [0, 0], "upper": [1, 1], "cells": [1, 2], "periodic": ["x"]}}},
+        "flow": {
+            "order": 3,
+            "gas": {"viscosity": {"constant": 1e-3}},
+            "reference": {"density": 1, "speed": 1, "pressure": 20},
+            "initial": {"expression": {"density": "1", "velocity": ["y", "0"], "pressure": "20"}},
+            "boundary": {"bottom": {"adiabatic_wall": {}}, "top": {"adiabatic_wall": {"slide": [1, 0]}}},
+        },
+        "time": {"order": 1, "end": 1e-9, "slabs": 1},
+        "output": {"surfaces": {"walls": ["bottom"]}},
+    }
+    case.write_text("".join(f"{key} = {inline(value)}\n" for key, value in settings.items()))
+    stsolve.Case(case).run(output=directory)
+    layer = stsolve.boundary_layer(stsolve.Result(directory), "bottom", 1.0)
+    exact = {"displacement_thickness": 1 / 2, "momentum_thickness": 1 / 6, "energy_thickness": 1 / 4}
+    for name, value in {**exact, "edge_velocity": 1.0, "thickness": 0.99}.items():
+        assert np.abs(layer[name] - value).max() < 1e-6, (name, layer[name])
+
+
 def test_steps_of_distributions_are_found_in_runs_of_nanoseconds():
     """The tolerance was a nanosecond: any step was at the time of the distribution."""
 
@@ -425,6 +459,22 @@ def test_spectrum_has_the_variance_and_the_frequency():
     assert "segments" in str(raised(ValueError, lambda: stsolve.spectrum(times, values, 1000)))
     outside = np.where(times < times[5], np.nan, values)
     assert "outside of the mesh" in str(raised(ValueError, lambda: stsolve.spectrum(times, outside)))
+
+
+def test_spectrum_of_uneven_times_keeps_the_variance():
+    """Straight lines between values lost 4 % of it, and long steps were not told of."""
+    rng = np.random.default_rng(1)
+    steps = 0.05 * (1 + 0.6 * rng.uniform(-1, 1, 4000))
+    signal = lambda times: 3 + np.sin(2 * np.pi * 1.37 * times)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        frequencies, density = stsolve.spectrum(np.cumsum(steps), signal(np.cumsum(steps)))
+    assert not told and abs(density.sum() * frequencies[1] / 0.5 - 1) < 5e-3, density.sum() * frequencies[1]
+    steps[-100:] *= 5
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        stsolve.spectrum(np.cumsum(steps), signal(np.cumsum(steps)))
+    assert len(told) == 1 and "the longest step" in str(told[0].message)
 
 
 def test_the_shedding_script_finds_more_than_fifty_periods():

@@ -15,7 +15,7 @@ use crate::expression::{Names, Table};
 use navier_stokes::InvalidParameter;
 use serde::Serialize;
 use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The result of a check.
@@ -26,6 +26,8 @@ pub(super) struct Checker<'a> {
     document: &'a Document,
     names: Names,
     controls: Vec<Control>,
+    /// The names of those that formulas contain.
+    used_controls: RefCell<BTreeSet<String>>,
     defaults: RefCell<Vec<(String, String)>>,
     damage: Damage,
 }
@@ -49,7 +51,8 @@ impl<'a> Checker<'a> {
         damage: Damage,
     ) -> Sound<'a> {
         let (names, defaults) = (Names::constants_only(), RefCell::default());
-        let mut checker = Checker { document, names, controls: Vec::new(), defaults, damage };
+        let mut checker =
+            Checker { document, names, controls: Vec::new(), used_controls: RefCell::default(), defaults, damage };
         let (mut errors, table) = (Errors::default(), Key::new("constants"));
         // In the order of the text, so that a constant may use those above it.
         let mut ordered: Vec<_> = constants.iter().map(|(name, formula)| (table.child(name), name, formula)).collect();
@@ -102,6 +105,11 @@ impl<'a> Checker<'a> {
         }
         let (key, problem) = (Key::new("controls").child(&control.name), "a control cannot have this name");
         Err(self.combination(&key, problem, FREE_NAME))
+    }
+
+    /// Whether a formula that was checked contains `control`.
+    pub(super) fn uses(&self, control: &Control) -> bool {
+        self.used_controls.borrow().contains(&control.name)
     }
 
     /// The controls.

@@ -1,11 +1,32 @@
 //! The known name that a misspelt one probably meant.
 
-/// The candidate with the smallest edit distance to `name`, if it is close enough.
+/// What other programs call conditions of this one, and what is near another name than the one that was meant: a supersonic outflow is an
+/// `outflow`, not a `supersonic_inflow`.
+const OTHER_NAMES: [(&str, &str); 8] = [
+    ("supersonic_outflow", "outflow"),
+    ("subsonic_outflow", "outflow"),
+    ("pressure_outlet", "outflow"),
+    ("outlet", "outflow"),
+    ("subsonic_inflow", "inflow"),
+    ("inlet", "inflow"),
+    ("no_slip", "adiabatic_wall"),
+    ("no_slip_wall", "adiabatic_wall"),
+];
+
+/// The candidate that `name` means elsewhere, or the one with the smallest edit distance, if it is close enough.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let candidates: Vec<&str> = candidates.into_iter().collect();
+    let other = OTHER_NAMES.iter().find(|(other, _)| *other == name).map(|(_, meant)| *meant);
+    let meant = candidates.iter().copied().find(|candidate| Some(*candidate) == other);
+    meant.or_else(|| closest(name, &candidates))
+}
+
+fn closest<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
     let accepted = (name.chars().count() / 3).max(1);
     let distance = |candidate: &str| edit_distance(&name.to_lowercase(), &candidate.to_lowercase());
     candidates
-        .into_iter()
+        .iter()
+        .copied()
         .map(|candidate| (distance(candidate), candidate))
         .min_by_key(|(distance, _)| *distance)
         .filter(|(distance, candidate)| *distance <= accepted && *distance < candidate.chars().count())
@@ -53,5 +74,14 @@ mod tests {
         assert_eq!(nearest("Left", boundaries), Some("left"));
         assert_eq!(nearest("wall", boundaries), None);
         assert_eq!(nearest("q", ["x", "y"]), None);
+    }
+
+    /// The nearest name was `supersonic_inflow`.
+    #[test]
+    fn names_of_other_programs_are_known() {
+        let conditions = ["inflow", "supersonic_inflow", "outflow", "slip_wall", "adiabatic_wall"];
+        assert_eq!(nearest("supersonic_outflow", conditions), Some("outflow"));
+        assert_eq!(nearest("no_slip_wall", conditions), Some("adiabatic_wall"));
+        assert_eq!(nearest("supersonic_outflow", ["left"]), None);
     }
 }

@@ -1,6 +1,6 @@
 //! A vector prescribed by formulas.
 
-use crate::expression::Program;
+use crate::expression::{ControlValue, Program};
 use fem::VectorField;
 use tensor::{Dual, Transcendental};
 
@@ -26,6 +26,21 @@ impl<const D: usize> Vector<D> {
         let mut rows = rows.iter();
         let sum = |formula: Program| formula.plus_linear(rows.next().map_or(&[][..], |row| row), centre);
         Vector { components: self.components.map(sum) }
+    }
+
+    /// The vector + normal (value - start), with a number that the run changes.
+    pub(crate) fn plus_change(self, normal: &[f64; D], value: &ControlValue, start: f64) -> Self {
+        let mut normal = normal.iter();
+        let changed = |formula: Program| match normal.next() {
+            Some(&n) if n != 0.0 => formula.plus_change(n, value, start),
+            _ => formula,
+        };
+        Vector { components: self.components.map(changed) }
+    }
+
+    /// The first component that depends on time, or on a number that the run changes.
+    pub(crate) fn changes_in_time(&self) -> Option<usize> {
+        self.components.iter().position(Program::changes_in_time)
     }
 
     /// The number of operations of an evaluation.

@@ -44,7 +44,7 @@ pub struct Outflow {
     /// differs from it by dw, the pressure differs by about rho c dw. Default: the pressure is `pressure`, and sound is reflected.
     pub velocity: Option<Vec<Formula>>,
     /// The time constant with which the normal velocity outside follows the mean normal velocity of the gas on the boundary, which must be
-    /// plane, and must not turn. `velocity` is its value at the start. The mean pressure returns to `pressure` in this time. Sound whose period is much
-    /// shorter leaves.
+    /// plane, and must not turn. Its value at the start is `velocity`, without `t` and controls; a profile keeps its shape. The mean pressure returns to
+    /// `pressure` in this time. Sound whose period is much shorter leaves.
     pub relaxation: Option<f64>,
 }

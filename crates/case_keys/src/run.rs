@@ -13,7 +13,7 @@ use std::path::PathBuf;
 pub struct Time {
     /// N_t, the nodes in time of a slab, 1 to 16: order of accuracy 2 N_t - 1 at the end of a slab.
     pub order: usize,
-    /// The start.
+    /// The start. With `[restart]` the run goes on from where the other one stands; only its slabs count from here.
     #[serde(default)]
     pub start: f64,
     /// The end. It may equal the start, if only the steady flow is wanted.
@@ -31,8 +31,9 @@ pub struct Time {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Adaptive {
-    /// The target of the jump: its L2 norm over the domain, every component in units of `flow.reference`. The jumps of the velocities of bodies
-    /// and structures count with their masses, in units of the reference density and speed.
+    /// The target of the jump: its L2 norm over the domain, every component in units of `flow.reference`, divided by the power D/2 of the length
+    /// from which scales of time follow there. The jumps of the velocities of bodies and structures count with their masses, in units of the
+    /// reference density and speed.
     pub tolerance: f64,
     /// The shortest slab, which is accepted with any jump. Default: a thousandth of the step.
     pub smallest: Option<f64>,
@@ -65,7 +66,7 @@ pub enum AllowedChange {
     /// The Mach number: `flow.gas.mach` or `flow.gas.gas_constant`. Density and velocity are kept, and the pressure is shifted everywhere
     /// by the difference of the reference pressures.
     Mach,
-    /// The motion of the mesh, even if its boundary jumps.
+    /// The motion of the mesh, even if its boundary jumps. It makes its way in the first slab, which `time.adaptive` does not shorten.
     Motion,
 }
 
@@ -118,7 +119,7 @@ pub struct Surfaces {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Averages {
-    /// The time at which they begin. It may be inside a slab.
+    /// The time at which they begin. It may be inside a slab. A run that ends before has no averages.
     pub from: Formula,
     /// The time at which they end. Default: the end of the run.
     pub to: Option<Formula>,

@@ -141,7 +141,7 @@ pub struct Steady {
     /// The flow is steady when the residual has fallen by this factor below the residual of the initial state. At most
     /// 0.1.
     pub tolerance: f64,
-    /// The first step in pseudo-time, in units of reference length / reference speed.
+    /// The first step in pseudo-time, in time units: the length of `flow.reference`, or without it that of the mesh, over the reference speed.
     pub first_step: f64,
     /// The power of the ratio of residuals by which the step grows.
     pub power: f64,
@@ -156,7 +156,7 @@ pub struct Steady {
     /// Whether to try lower orders, the lowest with a dissipative flux, if the order of the case does not converge at once, and to
     /// march in time for some slabs if that fails.
     pub sequence: bool,
-    /// For so many time units (reference length / reference speed) the steady flow is marched in time, slightly disturbed, to see whether
+    /// For so many time units (as for `first_step`) the steady flow is marched in time, slightly disturbed, to see whether
     /// it is stable. 0: never. Default: 8 if the residual at the next higher order shows that the flow is not resolved, otherwise 0.
     pub stability_time: Option<f64>,
     /// What bodies and structures do meanwhile.

@@ -316,9 +316,10 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         velocity
     }
 
-    /// |u(t_n+) - u_n| in L2 over the domain, every component in units of its scale, with the jumps of the velocities of bodies.
+    /// |u(t_n+) - u_n| / L^(D/2) in L2 over the domain, every component in units of its scale, with the jumps of the velocities of bodies. The unit
+    /// of length has no influence.
     fn jump_at_bottom(&mut self, state: &State, z: &[f64]) -> f64 {
-        self.jump_of_flow(state, z).hypot(self.jump_of_bodies(z))
+        self.jump_of_flow(state, z).hypot(self.jump_of_bodies(z)) / self.system.volume_scale.sqrt()
     }
 
     /// (sum of v . M v / rho U^2)^1/2 of the jumps v of the velocities of bodies: over a solid of density rho_s the L2 norm of (rho_s /

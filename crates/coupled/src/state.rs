@@ -61,6 +61,8 @@ pub struct State {
     pub rejected: usize,
     /// The length of the next slab, if it is adapted.
     pub step: f64,
+    /// Whether the boundary jumps at the bottom of the next slab: the shorter that is, the faster the boundary moves in it.
+    pub boundary_jumps: bool,
     /// The age of the flow's frozen Jacobian.
     pub reuse_policy: JacobianReusePolicy,
 }
@@ -81,6 +83,7 @@ impl State {
             failed: None,
             rejected: 0,
             step: 0.0,
+            boundary_jumps: false,
             reuse_policy: JacobianReusePolicy::default(),
         }
     }
@@ -118,6 +121,7 @@ impl State {
         self.pending.pop();
         self.slab += 1;
         self.rejected = 0;
+        self.boundary_jumps = false;
         self.time = interval.end;
         self.failed = self.failed.filter(|failed| failed.end > self.time);
         if self.pending.is_empty() {

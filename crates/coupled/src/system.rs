@@ -41,6 +41,8 @@ pub struct System<const D: usize, const M: usize> {
     pub flow: FlowBlock<D, M>,
     /// rho U^2 of the reference state, the unit of the kinetic energy of jumps of bodies.
     pub kinetic_scale: f64,
+    /// The unit of the volume over which jumps are summed, L^D.
+    pub volume_scale: f64,
     /// At the point z last evaluated.
     pub(crate) exchange: Exchange,
     /// Along the direction last taken.
@@ -69,6 +71,7 @@ impl<const D: usize, const M: usize> System<D, M> {
             mesh,
             flow,
             kinetic_scale: 1.0,
+            volume_scale: 1.0,
             exchange: Exchange::default(),
             tangent: Exchange::default(),
             fields: Vec::new(),

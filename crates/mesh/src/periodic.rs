@@ -11,7 +11,7 @@ use coincidence::distance;
 pub(crate) use coincidence::{Place, TOLERANCE, coincident};
 pub(crate) use images::align_images;
 use joint::Joint;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Boundary `plus` is boundary `minus` translated: x_plus = x_minus + translation. Both are indices into the list of
 /// boundaries passed to [`Mesh::new`].
@@ -32,20 +32,22 @@ pub(crate) struct Apart {
     tolerance: f64,
 }
 
-/// Whether pair `number` names two boundaries that exist and are in no other pair.
-pub(crate) fn check_pair<const D: usize>(
-    number: usize,
-    pairs: &[PeriodicPair<D>],
-    count: usize,
-) -> Result<(), MeshError> {
-    let in_earlier = |boundary| pairs[..number].iter().any(|pair| pair.minus == boundary || pair.plus == boundary);
-    let PeriodicPair { minus, plus, .. } = pairs[number];
-    for (boundary, other) in [(minus, plus), (plus, minus)] {
-        if boundary >= count || boundary == other || in_earlier(boundary) {
-            return Err(MeshError::PairBoundary { pair: number, boundary, count });
-        }
+/// The first of `pairs` with a boundary that stands before it, also in the pair itself, and this boundary: each is in one pair, and there once.
+pub(crate) fn joined_twice<T: Copy + Ord>(pairs: impl IntoIterator<Item = [T; 2]>) -> Option<(usize, T)> {
+    let mut seen = BTreeSet::new();
+    let mut entries = pairs.into_iter().enumerate().flat_map(|(number, pair)| pair.map(|boundary| (number, boundary)));
+    entries.find(|(_, boundary)| !seen.insert(*boundary))
+}
+
+/// Whether `pairs` name boundaries that exist, of which there are `count`, and each of them once.
+pub(crate) fn check_pairs<const D: usize>(pairs: &[PeriodicPair<D>], count: usize) -> Result<(), MeshError> {
+    let boundaries = || pairs.iter().map(|pair| [pair.minus, pair.plus]);
+    let is_unknown = |(_, boundary): &(usize, usize)| *boundary >= count;
+    let mut entries = boundaries().enumerate().flat_map(|(pair, both)| both.map(|boundary| (pair, boundary)));
+    match entries.find(is_unknown).or_else(|| joined_twice(boundaries())) {
+        Some((pair, boundary)) => Err(MeshError::PairBoundary { pair, boundary, count }),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// The facets that join the two boundaries of `pair`.

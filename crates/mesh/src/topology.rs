@@ -15,8 +15,8 @@ pub(crate) fn connect<const D: usize>(
     mesh.interior_facets = facets;
     periodic::check_gaps(mesh)?;
     let mut joined = Vec::with_capacity(pairs.len());
-    for (number, pair) in pairs.iter().enumerate() {
-        periodic::check_pair(number, pairs, boundaries.len())?;
+    periodic::check_pairs(pairs, boundaries.len())?;
+    for pair in pairs {
         check_outside(mesh, [&boundaries[pair.minus], &boundaries[pair.plus]], &between_regions)?;
         let facets = periodic::match_pair(mesh, &boundaries, pair)?;
         mesh.interior_facets.extend(&facets);

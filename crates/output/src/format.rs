@@ -3,7 +3,8 @@
 use hdf5::{Group, Result};
 
 use crate::hdf::{
-    constant, growing, read_integer, read_labels, read_length, read_text, write_integer, write_labels, write_text,
+    constant, drop_last, growing, read_integer, read_labels, read_length, read_text, write_integer, write_labels,
+    write_text,
 };
 use crate::layout::{ArraySpec, Axis, FieldSpec, FileLayout, Grid};
 use crate::rest_mesh::{self, RestMesh};
@@ -129,4 +130,9 @@ fn read_array(exact: &Group, name: String) -> Result<ArraySpec> {
     let axes = read_labels(&dataset)?.into_iter().zip(dataset.shape());
     let axes = axes.skip(1).map(|(label, length)| Axis { label, length }).collect();
     Ok(ArraySpec { name, axes })
+}
+
+/// Drops the coefficients of the last step.
+pub(crate) fn drop_array(group: &Group, name: &str) -> Result<()> {
+    drop_last(&group.group("exact")?.dataset(name)?, 1)
 }

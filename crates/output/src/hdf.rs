@@ -72,6 +72,13 @@ pub(crate) fn write_rows(dataset: &Dataset, step: usize, first: usize, rows: usi
     dataset.write_slice(ArrayViewD::from_shape(shape, values)?, Hyperslab::from(selection))
 }
 
+/// Drops the last `rows` rows of an array that grows along axis 0.
+pub(crate) fn drop_last(dataset: &Dataset, rows: usize) -> Result<()> {
+    let mut shape = dataset.shape();
+    shape[0] = shape[0].saturating_sub(rows);
+    dataset.resize(&shape)
+}
+
 /// The group `name` in `parent`, made if it is not there.
 pub(crate) fn group_in(parent: &Group, name: &str) -> Result<Group> {
     if parent.link_exists(name) { parent.group(name) } else { parent.create_group(name) }

@@ -32,6 +32,15 @@ pub struct ResultFile {
     now: Option<Metadata>,
 }
 
+/// What stays of a former end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kept {
+    /// The step.
+    pub step: bool,
+    /// The entries of series.
+    pub series: bool,
+}
+
 /// The private file to which steps are appended.
 #[derive(Debug)]
 enum WorkingCopy {
@@ -131,9 +140,39 @@ impl ResultFile {
     /// written.
     pub fn append_to_series(&mut self, array: &ArraySpec, time: f64, values: &[f64]) -> Result<(), OutputError> {
         checked(&array.name, values, array.len())?;
+        self.change(|file, _| series::extend(&file.group(format::GROUP)?, array, time, values))
+    }
+
+    /// Drops the last step and the last entries of series that a former end at `time` has added, but for those that are `kept`. A run whose
+    /// only step is there has just begun, and keeps everything.
+    ///
+    /// # Errors
+    /// [`OutputError::Hdf5`] or [`OutputError::File`] if the file cannot be written.
+    pub fn drop_former_end(&mut self, time: f64, kept: Kept) -> Result<(), OutputError> {
+        if kept.step && kept.series {
+            return Ok(());
+        }
+        self.change(|file, layout| {
+            let (root, group) = (file.group("VTKHDF")?, file.group(format::GROUP)?);
+            let times = vtkhdf::times(&root)?;
+            if times == [time] {
+                return Ok(());
+            }
+            if !kept.series {
+                series::drop_at(&group, time)?;
+            }
+            if kept.step || times.last() != Some(&time) {
+                return Ok(());
+            }
+            layout.exact.iter().try_for_each(|array| format::drop_array(&group, &array.name))?;
+            vtkhdf::drop_step(&root, layout)
+        })
+    }
+
+    /// Changes the working copy by `work`.
+    fn change(&mut self, work: impl FnOnce(&File, &FileLayout) -> hdf5::Result<()>) -> Result<(), OutputError> {
         let file = self.take_working_copy()?;
-        let write = || series::extend(&file.group(format::GROUP)?, array, time, values);
-        write().map_err(|source| self.write_error(source))?;
+        work(&file, &self.layout).map_err(|source| self.write_error(source))?;
         self.copy = WorkingCopy::Open(file);
         Ok(())
     }

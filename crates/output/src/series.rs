@@ -2,7 +2,7 @@
 
 use hdf5::{Group, Result};
 
-use crate::hdf::{append, group_in, growing, read_labels, write_labels};
+use crate::hdf::{append, drop_last, group_in, growing, read_labels, write_labels};
 use crate::layout::{ArraySpec, Axis};
 
 /// Name of the group.
@@ -38,6 +38,19 @@ fn create(all: &Group, array: &ArraySpec) -> Result<Group> {
     growing::<f64>(&group, "times", 1, &[])?;
     write_labels(&growing::<f64>(&group, "values", 1, &row)?, &labels)?;
     Ok(group)
+}
+
+/// Drops the last entry of every series in the group `parent` whose last time is `time`.
+pub(crate) fn drop_at(parent: &Group, time: f64) -> Result<()> {
+    for name in names(parent)? {
+        let group = parent.group(GROUP)?.group(&name)?;
+        let times = group.dataset("times")?;
+        if times.read_raw::<f64>()?.last() == Some(&time) {
+            drop_last(&group.dataset("values")?, 1)?;
+            drop_last(&times, 1)?;
+        }
+    }
+    Ok(())
 }
 
 /// The names of all series in the group `parent`.

@@ -7,7 +7,7 @@
 use hdf5::types::FixedAscii;
 use hdf5::{Error, Group, Result};
 
-use crate::hdf::{append, constant, growing, indices, write_integer};
+use crate::hdf::{append, constant, drop_last, growing, indices, write_integer};
 use crate::lagrange::in_vtk_order;
 use crate::layout::{FieldSpec, FileLayout, Grid};
 
@@ -119,4 +119,19 @@ pub(crate) fn close_step(root: &Group, time: f64, layout: &FileLayout) -> Result
         append(&offsets.dataset(&field.name)?, 1, &[first_point])?;
     }
     steps.attr("NSteps")?.write_scalar(&(step as i64 + 1))
+}
+
+/// Drops the last step. It ceases to be valid when the number of steps is lowered here.
+pub(crate) fn drop_step(root: &Group, layout: &FileLayout) -> Result<()> {
+    let steps = root.group("Steps")?;
+    let values = steps.dataset("Values")?;
+    steps.attr("NSteps")?.write_scalar(&(values.size() as i64 - 1))?;
+    drop_last(&values, 1)?;
+    STEP_OFFSETS.iter().try_for_each(|(name, _)| drop_last(&steps.dataset(name)?, 1))?;
+    let (offsets, point_data) = (steps.group("PointDataOffsets")?, root.group("PointData")?);
+    for field in &layout.fields {
+        drop_last(&offsets.dataset(&field.name)?, 1)?;
+        drop_last(&point_data.dataset(&field.name)?, layout.grid.points())?;
+    }
+    drop_last(&root.dataset("Points")?, layout.grid.points())
 }

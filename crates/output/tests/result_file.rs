@@ -5,11 +5,12 @@
 mod common;
 
 use std::fs;
+use std::path::Path;
 
 use common::{CASE, append, append_in_parts, contents, layout, metadata, noise, run, seal, state};
 use output::{
-    ArrayInParts, EarlierRun, FieldSpec, FileLayout, Metadata, OutputError, RESULT_FILE, ResultFile, ResultReader,
-    RunDirectory, SolverState, Step, inspect, read_checkpoint,
+    ArrayInParts, ArraySpec, EarlierRun, FieldSpec, FileLayout, Kept, Metadata, OutputError, RESULT_FILE, ResultFile,
+    ResultReader, RunDirectory, SolverState, Step, inspect, read_checkpoint,
 };
 
 /// NaN is not equal to itself: compare the bits.
@@ -65,6 +66,38 @@ fn a_reader_finds_each_step_while_the_run_goes_on() {
     assert!(matches!(reader.exact("flow", 3), Err(OutputError::Damaged { .. })));
     drop((result, held));
     assert!(!RunDirectory::is_held(directory.path()));
+}
+
+/// A run that went on after its end kept what it had written there.
+#[test]
+fn a_former_end_leaves_no_trace() {
+    let at = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    let array = ArraySpec::new("surface", &[("facet", 3)]);
+    let write = |path: &Path, slabs: &[u64], former_end: bool| {
+        let directory = RunDirectory::open(path).unwrap();
+        let mut result = match former_end {
+            true => ResultFile::resume(&directory, &metadata(), |_, _| Ok(())).unwrap().0,
+            false => ResultFile::create(&directory, layout(), &metadata()).unwrap(),
+        };
+        if former_end {
+            result.drop_former_end(2.0, Kept { step: true, series: true }).unwrap();
+            result.drop_former_end(7.0, Kept { step: false, series: false }).unwrap();
+            result.drop_former_end(2.0, Kept { step: false, series: false }).unwrap();
+            // The only step that is left is the start.
+            result.drop_former_end(1.0, Kept { step: false, series: false }).unwrap();
+        }
+        for slab in slabs {
+            append(&mut result, *slab);
+            result.append_to_series(&array, *slab as f64, &[*slab as f64; 3]).unwrap();
+        }
+        result.checkpoint(&state(9)).unwrap();
+    };
+    write(at[0].path(), &[1, 3, 4], false);
+    write(at[1].path(), &[1, 2], false);
+    write(at[1].path(), &[3, 4], true);
+    let [one, other] = at.each_ref().map(|directory| contents(&directory.path().join(RESULT_FILE)));
+    assert_eq!(one.keys().collect::<Vec<_>>(), other.keys().collect::<Vec<_>>());
+    one.iter().for_each(|(name, values)| assert!(values == &other[name], "{name}"));
 }
 
 #[test]

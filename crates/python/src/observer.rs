@@ -82,7 +82,8 @@ impl Listener {
     fn tell(&self, py: Python<'_>, now: &RunState<'_>) -> PyResult<bool> {
         let Some(on_slab) = &self.on_slab else { return Ok(true) };
         let answer = on_slab.bind(py).call1((Slab::new(now),))?;
-        Ok(answer.is_none() || answer.is_truthy()?)
+        // Only False stops, also that of NumPy: a callback may end in any expression, such as a count or an array.
+        Ok(answer.extract().unwrap_or(true))
     }
 }
 

@@ -76,6 +76,15 @@ pub enum ReportError {
         /// The directory.
         directory: PathBuf,
     },
+    /// A level of Q for a run without surfaces of Q.
+    #[error(
+        "`--q-level` is the level of surfaces in three dimensions, and the run in `{directory}` is plane: leave it out; `--picture q_criterion` \
+         shows Q if `output.fields` lists it"
+    )]
+    Plane {
+        /// The directory.
+        directory: PathBuf,
+    },
     /// A movie or a picture that cannot be made.
     #[error("no picture: {0}")]
     NoPicture(String),
@@ -109,6 +118,7 @@ pub fn write(directory: &Path) -> Result<Page, ReportError> {
 /// As [`write()`].
 pub fn write_at(directory: &Path, q_level: Option<f64>) -> Result<Page, ReportError> {
     let run = RunFiles::read(directory)?;
+    check_level(&run, directory, q_level)?;
     let pictures = match &run.result {
         Ok(reader) => pictures::draw(reader, q_level).map_err(|error| error.to_string()),
         Err(reason) => Err(reason.clone()),
@@ -117,6 +127,15 @@ pub fn write_at(directory: &Path, q_level: Option<f64>) -> Result<Page, ReportEr
     let path = directory.join(REPORT_FILE);
     output::write_atomically(&path, page.as_bytes())?;
     Ok(Page { path, bytes: page.len(), pictures: pictures.map(|pictures| pictures.frames.len()) })
+}
+
+/// Whether the `run` has surfaces of Q, if their level is given.
+fn check_level(run: &RunFiles, directory: &Path, q_level: Option<f64>) -> Result<(), ReportError> {
+    let is_plane = run.result.as_ref().is_ok_and(|reader| reader.layout.grid.dimension == 2);
+    match q_level {
+        Some(_) if is_plane => Err(ReportError::Plane { directory: directory.to_owned() }),
+        _ => Ok(()),
+    }
 }
 
 /// A movie or a picture that was written.
@@ -157,6 +176,7 @@ fn write_frames(
     draw: impl Fn(&ResultReader, &Scenario) -> Result<pictures::Movie, pictures::PictureError>,
 ) -> Result<MovieFile, ReportError> {
     let run = RunFiles::read(directory)?;
+    check_level(&run, directory, scenario.q_level)?;
     let reader = run.result.as_ref().map_err(|reason| ReportError::NoPicture(reason.clone()))?;
     // Without a name, the first field of the page.
     let field = if scenario.field.is_empty() { pictures::first_field(reader) } else { scenario.field };

@@ -66,9 +66,12 @@ fn status(run: &RunFiles) -> String {
     )
 }
 
-/// What a run says of a flow that its mesh does not resolve.
+/// What a run says of a slab that could be solved in a split form only.
 fn split_form(since: f64) -> String {
-    format!("the mesh does not resolve the flow: in a split form from t = {}", short(since))
+    format!(
+        "a slab could not be solved, perhaps because the mesh does not resolve the flow: in a split form from t = {}",
+        short(since)
+    )
 }
 
 /// A chart of every group of columns.

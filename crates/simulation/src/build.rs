@@ -109,6 +109,7 @@ fn system<const D: usize, const M: usize>(
     let mut system = System::with_bodies(operator, mover, bodies);
     system.flow.preconditioner.method = method(case.preconditioner());
     system.kinetic_scale = 2.0 * flow.law.reference.dynamic_pressure();
+    system.volume_scale = flow.time_length.powi(D as i32);
     Ok(system)
 }
 

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// At most so many numbers are made or received at a time: 8 MB.
-const PART: usize = 1 << 20;
+/// At most so many numbers are made or received at a time: 2 MB.
+const PART: usize = 1 << 18;
 
 /// All of so many `cells`, in ranges of at most [`PART`] numbers, where each cell has `len`.
 pub fn ranges(cells: usize, len: usize) -> impl Iterator<Item = Range<usize>> + Clone {

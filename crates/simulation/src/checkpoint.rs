@@ -29,6 +29,7 @@ pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> Solv
         ("reuse.slabs", state.reuse_policy.slabs),
         ("reuse.eager", state.reuse_policy.eager),
         ("stale", stale.into()),
+        ("boundary_jumps", state.boundary_jumps.into()),
     ];
     out.integers.extend(counters.map(|(name, value)| (name.to_string(), value as i64)));
     let pending = state.pending.iter().flat_map(numbers).collect();
@@ -100,6 +101,7 @@ pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Linearis
         pending: array("pending")?.chunks_exact(3).map(interval).collect(),
         failed: array("failed").and_then(|failed| failed.chunks_exact(3).map(interval).next()),
         step: *array("step")?.first()?,
+        boundary_jumps: integer("boundary_jumps").unwrap_or_default() != 0,
         reuse_policy: JacobianReusePolicy {
             base: integer("reuse.base")?,
             excess: integer("reuse.excess")?,

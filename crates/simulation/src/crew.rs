@@ -22,31 +22,28 @@
 mod agreement;
 mod orders;
 mod parts;
+mod serve;
+mod stored;
 
 pub use agreement::agree;
 pub use orders::{Order, Orders};
 pub use parts::{OfCells, Own};
+pub use serve::serve;
 
 use super::history::require_distinct_columns;
 use super::memory_estimate::require_memory;
-use super::record::Stored;
-use super::{Failure, build as building, cells, checkpoint, controls, errors, fallback, integrals, steady_search};
-use crate::averages::{AverageSums, add_slab};
+use super::{Failure, build, controls};
+use crate::averages::AverageSums;
 use agreement::{digest, first_other};
-use case::{AnyCase, Averages, Case, Flow, State};
-use coupled::{FlowMarch, Linearisation, SlabReport};
+use case::{Averages, Case, Flow, State};
+use coupled::{FlowMarch, SlabReport};
 use fem::{Blocks, Bottom, Share, StateField};
 use mesh::MeshError;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
-use output::{ArrayInParts, SolverState};
-use parts::own_linearisation;
 use ranks::{Communicator, Sums};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
-
-/// The number of blocks among the stored numbers.
-const BLOCKS: &str = "blocks";
 
 /// What rank 0 orders. On one rank nobody listens.
 pub struct Crew {
@@ -68,7 +65,7 @@ fn blocks<const D: usize>(case: &Case<D>) -> Result<Blocks, MeshError> {
 ///
 /// # Errors
 /// Those of the mesh, and a shortage of memory, of any rank.
-pub fn build<const D: usize, const M: usize>(
+pub fn start<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &Flow<D>,
     orders: &Arc<Orders>,
@@ -86,29 +83,6 @@ where
 }
 
 impl Crew {
-    /// Has all ranks take their parts of the state, and of a linearisation if there is one. A `flow` that the state has in a split form
-    /// becomes that one. `None` if this rank cannot take it.
-    pub fn restore<const D: usize, const M: usize>(
-        &self,
-        case: &Case<D>,
-        flow: &mut Cow<'_, Flow<D>>,
-        stored: &SolverState,
-        (march, averages): (&mut FlowMarch<D, M>, &mut AverageSums),
-    ) -> Option<()>
-    where
-        NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-        Exact<State<D>>: StateField<D, M>,
-        Manufactured<State<D>, D>: StateField<D, M>,
-    {
-        if march.solver.system.flow.operator.share.is_whole() {
-            return restore(case, flow, stored, (march, averages));
-        }
-        let common = parts::without_arrays(stored, case.mesh.n_cells())?;
-        self.orders.give(Order::Restore, Some(&common));
-        let own = parts::with_own_arrays(common, Some(stored), &march.solver.system.flow.operator.share);
-        restore(case, flow, &own, (march, averages))
-    }
-
     /// Has all ranks attempt the next slab.
     ///
     /// # Errors
@@ -152,47 +126,6 @@ impl Crew {
         }
         let len = all.len() / share.own.len();
         Cow::Borrowed(&all[cells.start * len..cells.end * len])
-    }
-
-    /// The state with what the preconditioners of all ranks are made of. Averages, and where there are several blocks all numbers of cells, are
-    /// long arrays.
-    pub fn store<'a, const D: usize, const M: usize>(&'a self, own: Own<'a, D, M>) -> Stored<'a> {
-        let (march, share) = (own.march, &own.march.solver.system.flow.operator.share);
-        let preconditioner = &march.solver.system.flow.preconditioner;
-        let mut state = match share.is_whole() {
-            true => checkpoint::store(&march.state, preconditioner.frozen(), preconditioner.stale),
-            false => self.without_cells(march),
-        };
-        state.arrays.extend(own.averages.to_arrays());
-        let array = |(of, name): (OfCells, &'static str)| {
-            let len = of.own(own).len() / share.own.len();
-            let part = move |cells: Range<usize>| self.numbers(own, of, cells).into_owned();
-            let parts = Box::new(cells::ranges(share.whole_cells(), len).map(part));
-            ArrayInParts { name: name.to_owned(), len: len * share.whole_cells(), parts }
-        };
-        let is_long = |(of, _): &(OfCells, &str)| match of {
-            OfCells::State | OfCells::Determinants => !share.is_whole(),
-            OfCells::Slab => !share.is_whole() && march.state.past.is_some(),
-            OfCells::Linearised => !share.is_whole() && preconditioner.frozen().is_some(),
-            OfCells::AverageOffsets | OfCells::AverageMoments => !own.averages.is_empty(),
-        };
-        Stored { state, long: OfCells::ALL.into_iter().filter(is_long).map(array).collect() }
-    }
-
-    /// The state to store without the numbers of cells.
-    fn without_cells<const D: usize, const M: usize>(&self, march: &FlowMarch<D, M>) -> SolverState {
-        let places = self.all(Order::SendPlaces, || parts::join_places(march));
-        let preconditioner = &march.solver.system.flow.preconditioner;
-        let ordering = || parts::whole_ordering(&places, &self.blocks);
-        let frozen = preconditioner.frozen().map(|frozen| Linearisation {
-            state: Arc::default(),
-            ordering: ordering(),
-            ..frozen.clone()
-        });
-        let mut stored = checkpoint::store(&parts::without_flow(&march.state), frozen.as_ref(), preconditioner.stale);
-        OfCells::ALL.iter().for_each(|(_, name)| drop(stored.arrays.remove(*name)));
-        stored.integers.insert(BLOCKS.to_owned(), march.solver.system.flow.operator.share.sums.blocks() as i64);
-        stored
     }
 }
 
@@ -259,37 +192,8 @@ where
     Manufactured<State<D>, D>: StateField<D, M>,
 {
     let sums = Arc::new(Sums::new(communicator.clone(), case.blocks));
-    let mover = building::mover_of(case, sums.clone())?;
-    Ok(building::march_of(case, flow, mover, Share::new(&case.mesh, &blocks(case)?, sums))?)
-}
-
-/// Takes a `stored` state of the own cells. A `flow` that it has in a split form becomes that one. `None` if the state does not fit.
-pub fn restore<const D: usize, const M: usize>(
-    case: &Case<D>,
-    flow: &mut Cow<'_, Flow<D>>,
-    stored: &SolverState,
-    (march, averages): (&mut FlowMarch<D, M>, &mut AverageSums),
-) -> Option<()>
-where
-    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
-{
-    let (state, frozen, stale) = checkpoint::load(stored, &case.time)?;
-    if state.u.len() != march.state.u.len() || state.d.len() != march.state.d.len() || !march.has_bodies_of(&state) {
-        return None;
-    }
-    *averages = AverageSums::from_arrays(&stored.arrays)?;
-    fallback::follow(case, flow, march, stored).ok()?;
-    march.state = state;
-    // The stages of another partition may join neighbours.
-    let blocks = stored.integers.get(BLOCKS).map_or(1, |&blocks| blocks as usize);
-    if let Some(frozen) = frozen.filter(|_| blocks == case.blocks) {
-        let share = march.solver.system.flow.operator.share.clone();
-        march.solver.system.rebuild(own_linearisation(frozen, &share));
-    }
-    march.solver.system.flow.preconditioner.stale = stale;
-    Some(())
+    let mover = build::mover_of(case, sums.clone())?;
+    Ok(build::march_of(case, flow, mover, Share::new(&case.mesh, &blocks(case)?, sums))?)
 }
 
 /// The largest memory of all ranks in bytes, 0 where it is not known; empty for one rank. A collective call.
@@ -299,66 +203,6 @@ fn peak_memories(communicator: &dyn Communicator) -> Vec<u64> {
     }
     let peak = case::memory::peak().unwrap_or_default();
     communicator.all_gather(&[peak as f64]).into_iter().flatten().map(|peak| peak as u64).collect()
-}
-
-/// Executes the orders of rank 0, until it orders to finish.
-pub fn serve(case: &AnyCase, communicator: &Arc<dyn Communicator>) {
-    rayon::scope(|_| match case {
-        AnyCase::Plane(case) => serve_in::<2, 4>(case, communicator),
-        AnyCase::Space(case) => serve_in::<3, 5>(case, communicator),
-    });
-}
-
-fn serve_in<const D: usize, const M: usize>(case: &Case<D>, communicator: &Arc<dyn Communicator>)
-where
-    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
-{
-    let Some(flow) = &case.flow else { return };
-    let mut flow = Cow::Borrowed(flow);
-    let mut own: Option<FlowMarch<D, M>> = None;
-    let mut averages = AverageSums::default();
-    loop {
-        let (order, state) = orders::receive(&**communicator);
-        match (order, &mut own) {
-            (Order::Finish, _) => return,
-            // An error is that of all ranks; rank 0 tells it.
-            (Order::Build, _) => own = march(case, &flow, communicator).ok(),
-            (Order::Restore, Some(march)) => {
-                let common = orders::decode(&state);
-                controls::set_for_preconditioner(case, Some(&common));
-                let stored = parts::with_own_arrays(common, None, &march.solver.system.flow.operator.share);
-                restore(case, &mut flow, &stored, (march, &mut averages));
-            }
-            (Order::SearchSteadyFlow | Order::ReleaseBodies, Some(march)) => {
-                if let Some(steady) = &case.solver.steady {
-                    let _ = match order {
-                        Order::ReleaseBodies => steady_search::release_bodies(case, &flow, steady, march).err(),
-                        _ => steady_search::search(case, &flow, steady, march).err().map(Into::into),
-                    };
-                }
-            }
-            (Order::Advance, Some(march)) => {
-                controls::hear(case, &orders::decode(&state));
-                // An error is that of all ranks.
-                if let Ok(Some(_)) = advance(march) {
-                    add_slab(case, &flow, march, &mut averages);
-                }
-            }
-            (Order::BeginAverages, Some(march)) => drop(begin_averages(case, march, &mut averages)),
-            (Order::Send, Some(march)) => {
-                parts::serve(Own { march, averages: &averages }, &orders::decode(&state));
-            }
-            (Order::SendPlaces, Some(march)) => drop(parts::join_places(march)),
-            (Order::Integrate, Some(march)) => drop(integrals::of_run(case, &flow, march)),
-            (Order::AddUp, Some(march)) => drop(add_up(march)),
-            (Order::Measure, Some(march)) => drop(errors::of_cells(&flow, march)),
-            (Order::TellMemory, _) => drop(peak_memories(&**communicator)),
-            (_, None) => {}
-        }
-    }
 }
 
 /// Drops averages of a run that this one continues if their settings or orders differ; returns whether it did.

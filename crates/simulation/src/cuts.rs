@@ -21,8 +21,13 @@ pub struct Reached {
 impl Reached {
     /// The last time that a file with an entry after `every` slabs keeps. The entry of a former end is left out if a run without
     /// interruption has none there.
-    fn last_kept(self, every: usize) -> f64 {
-        if self.is_end || self.slabs.is_multiple_of(every) { self.time } else { self.time.next_down() }
+    pub fn last_kept(self, every: usize) -> f64 {
+        if self.keeps_last(every) { self.time } else { self.time.next_down() }
+    }
+
+    /// Whether an entry at its time is one of those after `every` slabs, or that of the end.
+    pub fn keeps_last(self, every: usize) -> bool {
+        self.is_end || self.slabs.is_multiple_of(every)
     }
 }
 

@@ -13,14 +13,14 @@ use super::crew::Orders;
 use super::flow_run::run_flow;
 use super::mesh_run::move_mesh;
 use super::occupied::{self, Beginning};
-use super::record::MeshView;
+use super::record::{MeshView, Recorder};
 use super::restart;
 use super::structure_run::run_structure;
 use crate::destination::Destination;
 use crate::error::Failure;
 use crate::observer::Observer;
 use crate::session::Session;
-use begin::{begin, continue_surfaces, cut_files, open_files, restore, take_over, warn_of_end};
+use begin::{begin, continue_surfaces, cut_files, open_files, restore, take_over, warn_of_averages, warn_of_end};
 use case::{AnyCase, Case, State};
 use end::{close, verdict};
 use fem::StateField;
@@ -109,7 +109,6 @@ where
 }
 
 /// The call of a run.
-#[derive(Clone, Copy)]
 pub(super) struct Call<'a> {
     /// Where it writes.
     pub destination: &'a Destination,
@@ -118,7 +117,7 @@ pub(super) struct Call<'a> {
     /// The time of the call.
     pub begun: Instant,
     /// The state of another run from which this one starts, if any.
-    pub origin: Option<&'a restart::Start>,
+    pub origin: Option<restart::Start>,
 }
 
 /// Drives `run` from its start or its checkpoint to its end.
@@ -134,11 +133,10 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
 
 /// [`drive`] in its session:
 ///
-/// 1. Open the files, and find what is to be continued there.
-/// 2. Take the state over from a checkpoint, or from another run, or keep that of the start.
-/// 3. Cut what was written after that state, and record the start.
-/// 4. March.
-/// 5. Write the last state, and give the verdict.
+/// 1. Prepare the files and the state.
+/// 2. Record the start.
+/// 3. March.
+/// 4. Write the last state, and give the verdict.
 fn drive_in<const D: usize, const M: usize, R: Run>(
     session: &Session<'_>,
     case: &Case<D>,
@@ -146,23 +144,7 @@ fn drive_in<const D: usize, const M: usize, R: Run>(
     mesh: &Arc<MeshView<D>>,
     call: Call<'_>,
 ) -> Result<Summary, Failure> {
-    let (mut recorder, resumed) = open_files::<D, M>(session, case, mesh, call)?;
-    let statistics = match (&resumed, call.origin) {
-        (None, Some(start)) => take_over(&mut run, start, case)?,
-        _ => restore(&mut run, resumed.as_ref(), case)?,
-    };
-    // The state that was read is as large as the flow.
-    let is_resumed = resumed.map(drop).is_some();
-    // A run whose search for the steady flow has failed has not begun.
-    let has_begun = is_resumed && !run.awaits_start(&statistics);
-    cut_files(session, case, &run, has_begun)?;
-    let mut context = RunContext::new(case, run.state().time, session, call.begun, statistics);
-    if is_resumed {
-        warn_of_end(case, run.state().time, call.observer);
-    }
-    if let Some(start) = call.origin.filter(|_| case.output.surfaces_every.is_some()) {
-        continue_surfaces(&run, &mut recorder, &start.surfaces)?;
-    }
+    let Prepared { mut recorder, mut context, has_begun } = prepare::<D, M, R>(session, case, &mut run, mesh, call)?;
     let stop = match has_begun {
         false => begin(&mut run, &mut recorder, &mut context, session.directory.path())?,
         true => None,
@@ -173,4 +155,44 @@ fn drive_in<const D: usize, const M: usize, R: Run>(
     };
     let summary = close(&mut run, &mut recorder, &context, session, stop.as_ref())?;
     verdict(&run, case, &context, session, stop).map(|()| summary)
+}
+
+/// A run that can be driven on.
+struct Prepared<'a, const D: usize, const M: usize> {
+    recorder: Recorder<'a, D, M>,
+    context: RunContext<'a>,
+    /// Whether it goes on from a checkpoint of its own.
+    has_begun: bool,
+}
+
+/// Prepares `run`. The states that are read, which are as large as the flow, end here:
+///
+/// 1. Open the files, and find what is to be continued there.
+/// 2. Take the state over from a checkpoint, or from another run, or keep that of the start.
+/// 3. Cut what was written after that state.
+fn prepare<'a, const D: usize, const M: usize, R: Run>(
+    session: &'a Session<'_>,
+    case: &'a Case<D>,
+    run: &mut R,
+    mesh: &Arc<MeshView<D>>,
+    call: Call<'_>,
+) -> Result<Prepared<'a, D, M>, Failure> {
+    let (mut recorder, resumed) = open_files::<D, M>(session, case, mesh, &call)?;
+    let statistics = match (&resumed, &call.origin) {
+        (None, Some(start)) => take_over(run, start, case)?,
+        _ => restore(run, resumed.as_ref(), case)?,
+    };
+    // A run whose search for the steady flow has failed has not begun.
+    let has_begun = resumed.is_some() && !run.awaits_start(&statistics);
+    cut_files(session, &mut recorder, run, has_begun)?;
+    let context = RunContext::new(case, run.state().time, session, call.begun, statistics);
+    if resumed.is_some() {
+        warn_of_end(case, run.state().time, call.observer);
+    }
+    warn_of_averages(case, call.observer);
+    let goes_on = has_begun && !run.is_done() && (run.state().slab > 0 || case.solver.steady.is_some());
+    if goes_on || call.origin.is_some() {
+        continue_surfaces(run, &mut recorder, session, call.origin.as_ref())?;
+    }
+    Ok(Prepared { recorder, context, has_begun })
 }

@@ -1,34 +1,32 @@
 //! Mesh and flow.
 
+mod files;
+mod observed;
 mod steady_start;
 
-use super::averages::{AlongFiles, AverageSums, PhaseFile, add_slab};
+use super::averages::{AverageSums, add_slab};
 use super::bodies::is_of_body;
 use super::body_record::BodyRecord;
-use super::cells::StateInCells;
 use super::context::{RunContext, Stop};
 use super::crew::{self, Crew, OfCells, Order, Orders, Own, begin_averages};
 use super::drive::{Call, Run, drive};
-use super::failure::{Failed, Finding, Grid, Then, by_point};
-use super::opening_states::OpeningStates;
-use super::openings;
-use super::probes::FlowAtPoints;
+use super::failure::{Failed, Finding};
 use super::record::{MeshView, Stored, top};
 use super::statistics::RunStatistics;
-use super::surfaces::{self, SurfaceFlow};
+use super::surfaces::SurfaceFlow;
 use super::walls::wall_loads;
-use super::{checkpoint, controls, cuts, errors, fallback, history, integrals, restart, summary};
+use super::{checkpoint, controls, cuts, errors, fallback, history, restart, summary};
 use crate::destination::Destination;
 use crate::error::Failure;
 use crate::observer::{Observer, SlabDone};
 use crate::session::Session;
 use basis::Rule;
-use case::{Averages, Case, Flow, State, Wall};
+use case::{Case, Flow, State};
 use coupled::block::BodyState;
 use coupled::{FlowMarch, MarchError, SlabError, SlabReport};
 use fem::{Layout, StateField};
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
-use output::{ArraySpec, OutputError, RESULT_FILE, ResultReader, Series, SolverState, Summary};
+use output::{ArraySpec, OutputError, SolverState, Summary};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
@@ -54,12 +52,12 @@ where
 {
     let begun = Instant::now();
     controls::check(case)?;
-    let (march, crew) = crew::build::<D, M>(case, flow, orders)?;
+    let (march, crew) = crew::start::<D, M>(case, flow, orders)?;
     let origin = match destination.is_resumed() {
         true => None,
         false => restart::read::<D, M>(case, flow, &march.solver.system.mesh.mover)?,
     };
-    let call = Call { destination, observer, begun, origin: origin.as_ref() };
+    let call = Call { destination, observer, begun, origin };
     let mover = &march.solver.system.mesh.mover;
     let mesh = Arc::new(MeshView::new(&mover.reference, &mover.numbering));
     let (flow, surface_rule) = (Cow::Borrowed(flow), march.solver.system.flow.operator.tables.rule.clone());
@@ -103,30 +101,6 @@ where
         Own { march: &self.march, averages: &self.averages }
     }
 
-    /// The present state in some `cells`.
-    fn state_in(&self, cells: &[usize]) -> StateInCells<'_> {
-        let operator = &self.march.solver.system.flow.operator;
-        let len = operator.layout.time_len();
-        if operator.share.is_whole() {
-            return StateInCells::whole(&self.march.state.u, len);
-        }
-        StateInCells::some(cells, self.crew.gather(self.own(), OfCells::State, cells), len)
-    }
-
-    /// The present state in the cells at some boundaries.
-    fn state_at(&self, is_wanted: impl Fn(usize) -> bool) -> StateInCells<'_> {
-        let facets = self.case.mesh.boundary_facets().iter().filter(|facet| is_wanted(facet.boundary));
-        let mut cells: Vec<usize> = facets.map(|facet| facet.side.cell).collect();
-        cells.sort_unstable();
-        cells.dedup();
-        self.state_in(&cells)
-    }
-
-    /// The present state in the cells at inflows and outflows.
-    fn state_at_openings(&self) -> StateInCells<'_> {
-        self.state_at(|boundary| openings::is_opening(&self.flow.boundary[boundary].condition))
-    }
-
     /// The integrals of the present flow, between two slabs.
     fn totals(&mut self) -> Vec<f64> {
         let FlowRun { crew, march, .. } = self;
@@ -139,68 +113,6 @@ where
         walls.filter(|(_, wall)| is_of_body(self.case, wall.boundary)).map(|(number, _)| number).collect()
     }
 
-    /// The flow at the end of the slab, to be observed at points.
-    fn at_points(&self) -> FlowAtPoints<'_, D> {
-        let (state, mover) = (self.state(), &self.march.solver.system.mesh.mover);
-        FlowAtPoints {
-            flow: &self.flow,
-            formulas: &self.case.observed.formulas,
-            mover,
-            displacement: &state.d,
-            velocity: state.past.as_ref().map_or(&[][..], |past| top(&past.v, &state.d)),
-            time: state.time,
-        }
-    }
-
-    /// The mean states at openings, the flow at the points of the case, and its integrals.
-    fn observed(&self) -> Vec<f64> {
-        let (state, mover) = (self.state(), &self.march.solver.system.mesh.mover);
-        let velocity = state.past.as_ref().map_or(&[][..], |past| top(&past.v, &state.d));
-        let at_openings = match history::openings(&self.flow).next() {
-            Some(_) => {
-                let (motion, state) = ([&state.d[..], velocity], &self.state_at_openings());
-                OpeningStates { flow: &self.flow, mover, motion, state }.row::<M>()
-            }
-            None => Vec::new(),
-        };
-        let at_points = match &self.case.observed.probes[..] {
-            [] => Vec::new(),
-            probes => self.at_points().row::<M>(probes, &|cells| self.state_in(&cells)),
-        };
-        [at_openings, at_points, self.integrals()].concat()
-    }
-
-    /// The integrals that the case asks for.
-    fn integrals(&self) -> Vec<f64> {
-        let count = self.case.output.integrals.len();
-        if count == 0 {
-            return Vec::new();
-        }
-        let of_cells = || integrals::of_run(self.case, &self.flow, &self.march);
-        integrals::sums(&self.crew.all(Order::Integrate, of_cells), count)
-    }
-
-    /// Measures inflows and outflows, and reports each observation once.
-    fn observe(&self, context: &mut RunContext) {
-        if !self.flow.boundary.iter().any(|data| openings::is_opening(&data.condition)) {
-            return;
-        }
-        let (state, mover, there) = (self.state(), &self.march.solver.system.mesh.mover, self.state_at_openings());
-        let grid = Grid::new(&mover.reference, &mover.numbering, self.flow.order);
-        let still = vec![0.0; state.d.len()];
-        let then = Then {
-            time: state.time,
-            displacement: &state.d,
-            velocity: state.past.as_ref().map_or(&still[..], |past| top(&past.v, &state.d)),
-            state: &|cell, _| by_point(&grid.sampler.state(there.of(cell))),
-        };
-        let seen = openings::measure(&self.flow, &mover.reference, &grid, &then);
-        for record in openings::enter(&mut context.statistics.openings, &seen, state.time) {
-            let name = &self.case.mesh.boundary_names()[record.now.boundary];
-            context.observer.say(&format!("warning: {}; {}", record.told(name), record.now.misuse.remedy(name)));
-        }
-    }
-
     /// Drops the averages of a run that this one continues, if their settings or orders differ.
     fn begin_averages(&mut self) {
         let FlowRun { case, march, averages, crew, .. } = self;
@@ -208,64 +120,6 @@ where
         if are_other && case.averages.is_some() {
             tracing::warn!("the averages of the earlier run are others or in other orders; they begin anew");
         }
-    }
-
-    /// The sums of averages over all cells, if something of them is written at the end.
-    fn whole_averages(&self) -> Cow<'_, AverageSums> {
-        if self.march.solver.system.flow.operator.share.is_whole() {
-            return Cow::Borrowed(&self.averages);
-        }
-        Cow::Owned(self.averages(0..self.layout().cells))
-    }
-
-    /// Writes the averages over phases and along axes, if the case asks for them.
-    fn write_averages(&self, directory: &Path) -> anyhow::Result<()> {
-        let asked = |wanted: &&Averages| wanted.phases.is_some() || !wanted.along.is_empty();
-        let Some(wanted) = self.case.averages.as_ref().filter(asked) else { return Ok(()) };
-        let sums = &*self.whole_averages();
-        let (mover, order) = (&self.march.solver.system.mesh.mover, self.flow.order);
-        if let Some(phases) = wanted.phases {
-            PhaseFile { wanted, sums, mover, order }.write(directory, phases)?;
-        }
-        if let Some(files) = AlongFiles::new(wanted, sums, &mover.reference, order) {
-            files.write(directory)?;
-        }
-        Ok(())
-    }
-
-    /// Writes the distributions along walls: those of the series in the result, and last that of the present state.
-    fn write_surfaces(&self, directory: &Path) -> anyhow::Result<()> {
-        let (present, time) = (self.surfaces(), self.state().time);
-        if present.is_empty() {
-            return Ok(());
-        }
-        let reader = ResultReader::open(&directory.join(RESULT_FILE))?;
-        let (order, rule) = (self.flow.order, &self.surface_rule);
-        for (wall, (array, values)) in self.listed_walls().zip(present) {
-            let stored = reader.series(&array.name)?.filter(|series| series.array == array);
-            let mut series = stored.unwrap_or_else(|| Series { array, times: Vec::new(), values: Vec::new() });
-            if series.times.last() != Some(&time) {
-                series.times.push(time);
-                series.values.extend(values);
-            }
-            surfaces::write(directory, D, &series, rule, order.max(self.case.mesh.order()))?;
-            self.write_means(directory, wall, &series)?;
-        }
-        Ok(())
-    }
-
-    /// Writes the means along a wall, if the case averages over time and has distributions at several times: one alone has no mean.
-    fn write_means(&self, directory: &Path, wall: &Wall<D>, series: &Series) -> anyhow::Result<()> {
-        let (Some(averages), Some(_)) = (&self.case.averages, self.case.output.surfaces_every) else { return Ok(()) };
-        let interval = [averages.from, averages.to.unwrap_or(f64::INFINITY)];
-        let mover = &self.march.solver.system.mesh.mover;
-        let curves = surfaces::curves_of(&mover.reference, &mover.numbering, wall.boundary);
-        Ok(surfaces::write_means(directory, D, series, interval, &curves)?)
-    }
-
-    /// The walls with distributions.
-    fn listed_walls(&self) -> impl Iterator<Item = &Wall<D>> {
-        self.flow.walls.iter().filter(|wall| self.case.output.surfaces.contains(&wall.name))
     }
 }
 
@@ -410,7 +264,7 @@ where
 
     fn leave(&self, directory: &Path) -> anyhow::Result<()> {
         self.write_averages(directory)?;
-        self.write_surfaces(directory)
+        self.write_surfaces(directory, !self.averages.is_empty())
     }
 
     fn surfaces(&self) -> Vec<(ArraySpec, Vec<f64>)> {

@@ -15,11 +15,22 @@ const ROUND_OFF: f64 = 1e-12;
 const SMALL_JUMP: f64 = 1e-3;
 
 /// Velocities are difference quotients of displacements over this time, in slabs.
-const MOMENT: f64 = 1e-4;
+pub const MOMENT: f64 = 1e-4;
 
 /// Velocities agree if they move the mesh by less than this times its size in a slab; round-off of the quotients is a hundredth of
 /// it.
 const AT_REST: f64 = 1e-9;
+
+/// The largest difference of velocities that counts as none, of which the `fastest` is given, for something of this `size` in slabs of length `step`.
+pub fn small(fastest: f64, size: f64, step: f64) -> f64 {
+    (SMALL_JUMP * fastest).max(AT_REST * size / step)
+}
+
+/// The rate of `position` at time `t`, of second order in `moment` from one side of t.
+pub fn rate(position: impl Fn(f64) -> f64, t: f64, moment: f64) -> f64 {
+    let [now, next, last] = [0.0, 1.0, 2.0].map(|steps| position(t + steps * moment));
+    (4.0 * next - 3.0 * now - last) / (2.0 * moment)
+}
 
 /// A node that jumps: two different values of a vector.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,7 +75,7 @@ pub fn of_velocity<const D: usize>(before: &Case<D>, now: &Case<D>, mover: &Mesh
     let mut here = velocities(now, mover.field_len(), t, moment);
     leave_free(now, &mover.numbering, &[&before.motion, &now.motion], &there, &mut here);
     let fastest = there.iter().chain(&here).fold(0.0, |most: f64, v| most.max(v.abs()));
-    let least = (SMALL_JUMP * fastest).max(AT_REST * now.mesh.diameter() / now.time.step);
+    let least = small(fastest, now.mesh.diameter(), now.time.step);
     let nodes = known_nodes(now, &mover.numbering, &[&before.motion, &now.motion]);
     largest(mover.positions(), nodes, &there, &here).filter(|jump| jump.size() > least)
 }

@@ -30,9 +30,11 @@ pub enum Misuse {
     Backflow,
     /// Gas at a supersonic inflow is subsonic.
     Subsonic,
+    /// An inflow of a moving mesh is faster than the gas that enters there.
+    Overtaking,
 }
 
-const ALL: [Misuse; 4] = [Misuse::Supersonic, Misuse::Leaving, Misuse::Backflow, Misuse::Subsonic];
+const ALL: [Misuse; 5] = [Misuse::Supersonic, Misuse::Leaving, Misuse::Backflow, Misuse::Subsonic, Misuse::Overtaking];
 
 /// An observation at one time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -66,10 +68,12 @@ pub fn is_opening<const D: usize>(condition: &Boundary<D>) -> bool {
     )
 }
 
-/// The misuse of `condition` by gas that leaves with `w_n` relative to the facet, of sound speed `c`, if any.
-fn misuse<const D: usize>(condition: &Boundary<D>, w_n: f64, c: f64, resting: f64) -> Option<Misuse> {
+/// The misuse of `condition` by gas of sound speed `c` that leaves with `w_n` relative to the facet, which moves with `v_n` along its normal,
+/// if any.
+fn misuse<const D: usize>(condition: &Boundary<D>, [w_n, v_n]: [f64; 2], c: f64, resting: f64) -> Option<Misuse> {
     let found = match condition {
         Boundary::Inflow(_) | Boundary::VelocityInflow(_) if -w_n >= c => Misuse::Supersonic,
+        Boundary::Inflow(_) if w_n > resting && w_n + v_n <= 0.0 => Misuse::Overtaking,
         Boundary::Inflow(_) if w_n > resting => Misuse::Leaving,
         Boundary::Outflow(_) if w_n < -resting => Misuse::Backflow,
         Boundary::SupersonicInflow(_) if -w_n < c => Misuse::Subsonic,
@@ -166,10 +170,11 @@ fn add<const D: usize, const M: usize>(
         let normal = outward_area(&jacobians[p], face);
         let size = norm(&normal);
         let area = size * trapezoid::<D>(grid.points, index);
+        let v_n = dot(&velocities[p], &normal) / size;
         let w_n = (dot(&states[p].velocity, &normal) - dot(&velocities[p], &normal)) / size;
         let c = gas.sound_speed(states[p].density, states[p].pressure);
         sums.area += area;
-        if let Some(found) = misuse(condition, w_n, c, RESTING * flow.reference_speed) {
+        if let Some(found) = misuse(condition, [w_n, v_n], c, RESTING * flow.reference_speed) {
             sums.parts[found as usize].add(found, area, w_n.abs() / c);
         }
     }
@@ -239,6 +244,9 @@ impl fmt::Display for Told<'_> {
             Misuse::Leaving => write!(f, "gas leaves through the inflow `{boundary}`")?,
             Misuse::Backflow => write!(f, "gas comes back through the outflow `{boundary}`")?,
             Misuse::Subsonic => write!(f, "gas at the supersonic inflow `{boundary}` is subsonic")?,
+            Misuse::Overtaking => {
+                write!(f, "the inflow `{boundary}` moves into the domain faster than the gas, which is left outside")?;
+            }
         }
         let percent = (100.0 * self.record.largest_share).max(0.1);
         let digits = if percent < 10.0 { 1 } else { 0 };
@@ -264,6 +272,9 @@ impl Misuse {
             Misuse::Subsonic => format!(
                 "take `inflow` or `velocity_inflow` for `{boundary}`; if a shock has run into it, lower the pressure downstream"
             ),
+            Misuse::Overtaking => format!(
+                "let `{boundary}` move more slowly than the gas, or rest (`motion`); `far_field` lets gas pass both ways"
+            ),
         }
     }
 }
@@ -280,7 +291,7 @@ mod tests {
         let outflow = Boundary::Outflow(Outflow::new(1.0, 1.0).unwrap());
         let [velocity, fast] =
             [Boundary::VelocityInflow(VelocityInflow::OfVelocity), Boundary::SupersonicInflow(SupersonicInflow)];
-        let of = |condition, w_n| misuse(condition, w_n, 1.0, 0.01);
+        let of = |condition, w_n| misuse(condition, [w_n, 0.0], 1.0, 0.01);
         assert_eq!(
             [of(&inflow, -2.0), of(&inflow, -0.5), of(&inflow, 0.5)],
             [Some(Misuse::Supersonic), None, Some(Misuse::Leaving)]
@@ -288,6 +299,9 @@ mod tests {
         assert_eq!([of(&outflow, -0.5), of(&outflow, -0.001), of(&outflow, 2.0)], [Some(Misuse::Backflow), None, None]);
         assert_eq!([of(&velocity, -1.5), of(&velocity, 0.5)], [Some(Misuse::Supersonic), None]);
         assert_eq!([of(&fast, -1.5), of(&fast, -0.5)], [None, Some(Misuse::Subsonic)]);
+        // Gas enters with 0.2 and the boundary follows it with 0.5: a higher total pressure was advised.
+        assert_eq!(misuse(&inflow, [0.3, -0.5], 1.0, 0.01), Some(Misuse::Overtaking));
+        assert_eq!(misuse(&inflow, [0.3, -0.1], 1.0, 0.01), Some(Misuse::Leaving));
     }
 
     #[test]

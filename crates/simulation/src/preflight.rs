@@ -12,11 +12,11 @@ use case::{Case, Flow};
 /// The answers are compiled here, once for two and once for three dimensions. A generic function would compile the solver in every crate
 /// that calls it.
 pub trait Preflight<const D: usize> {
-    /// Requires that the result from which the case starts exists and fits, if it names one.
+    /// Requires that the result from which the case starts exists and fits, if it names one. Returns warnings.
     ///
     /// # Errors
     /// The file, and why it does not fit.
-    fn require_restart(&self, flow: &Flow<D>) -> Result<(), Failure>;
+    fn require_restart(&self, flow: &Flow<D>) -> Result<Vec<String>, Failure>;
 
     /// The inflows and outflows whose conditions do not suit the initial state.
     fn openings_at_start(&self, flow: &Flow<D>) -> Vec<Record>;
@@ -43,7 +43,7 @@ pub trait Preflight<const D: usize> {
 macro_rules! with_components {
     ($d:literal, $m:literal) => {
         impl Preflight<$d> for Case<$d> {
-            fn require_restart(&self, flow: &Flow<$d>) -> Result<(), Failure> {
+            fn require_restart(&self, flow: &Flow<$d>) -> Result<Vec<String>, Failure> {
                 restart::check::<$d, $m>(self, flow)
             }
             fn openings_at_start(&self, flow: &Flow<$d>) -> Vec<Record> {

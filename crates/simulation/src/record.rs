@@ -10,6 +10,7 @@ pub use mesh_view::MeshView;
 use super::averages::fields::{self as averages, AverageFields};
 use super::averages::{AverageSums, FILES as FILES_OF_AVERAGES};
 use super::bodies::beside_flow;
+use super::cuts::Reached;
 use super::history::columns;
 use super::resume;
 use super::statistics::RunStatistics;
@@ -19,7 +20,7 @@ use crate::session::Session;
 use case::Case;
 use coupled::block::BodyState;
 use layout::{fingerprint, flow_order, layout, metadata};
-use output::{ArrayInParts, ArraySpec, History, Metadata, OutputError, ResultFile, SolverState};
+use output::{ArrayInParts, ArraySpec, History, Kept, Metadata, OutputError, ResultFile, SolverState};
 use report::REPORT_FILE;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -173,6 +174,17 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         self.history = history_after(Some(&stored), session, &self.told.columns)?;
         self.slabs_since_checkpoint = 0;
         Ok(stored)
+    }
+
+    /// Drops the fields and the distributions of a former end, where a run without interruption has none.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn drop_former_end(&mut self, reached: Reached) -> Result<(), Failure> {
+        let output = &self.case().output;
+        let keeps_series = output.surfaces_every.is_some_and(|every| reached.keeps_last(every));
+        let kept = Kept { step: reached.keeps_last(output.every), series: reached.is_end || keeps_series };
+        Ok(self.result.drop_former_end(reached.time, kept)?)
     }
 
     /// The case of the run.

@@ -1,19 +1,21 @@
 //! A run that starts from the result of another one.
 
 mod carried;
+mod drives;
 mod error;
 mod supports;
 
 pub use error::RestartError;
 
 use super::statistics::RunStatistics;
-use super::{bodies, checkpoint, fallback, motion_jump};
+use super::{bodies, checkpoint, fallback, motion_jump, surfaces};
 use crate::error::Failure;
 use case::{
     AllowedChange, Case, Flow, Time, bodies_of, differences, gas_of, motion_of, quadrature_of, reference_pressure_of,
+    start_of,
 };
 use coupled::block::BodyState;
-use coupled::{Linearisation, MeshMotion, MeshMover, State, is_before};
+use coupled::{Linearisation, MeshMotion, MeshMover, State, rounded_time};
 use fem::{Layout, Orders};
 use mesh::{Mesh, NodeNumbering};
 use navier_stokes::Conserved;
@@ -36,24 +38,27 @@ pub struct Start {
     pub warnings: Vec<String>,
     /// The distributions along walls of the earlier run.
     pub surfaces: Vec<Series>,
+    /// The walls with distributions of which the earlier run kept none.
+    pub added_walls: Vec<String>,
     /// Whether the earlier run has only searched a steady flow, and this one searches another.
     pub searches_anew: bool,
     /// Whether the energies of flow and bodies are measured in another way than when the balances of the earlier run began.
     pub is_measured_anew: bool,
 }
 
-/// Checks whether `case` can start from the result that it names, if it names one.
+/// Checks whether `case` can start from the result that it names, if it names one. Returns warnings.
 ///
 /// # Errors
 /// As `read`.
-pub fn check<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Result<(), Failure> {
-    if case.restart.is_some() {
-        // Prescribed motions follow from the case, so nothing needs to be factored.
-        let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
-        let mover = MeshMover::new(MeshMotion::Still, case.mesh.clone(), numbering, case.time.order);
-        read::<D, M>(case, flow, &mover)?;
+pub fn check<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Result<Vec<String>, Failure> {
+    if case.restart.is_none() {
+        return Ok(Vec::new());
     }
-    Ok(())
+    // Prescribed motions follow from the case, so nothing needs to be factored.
+    let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
+    let mover = MeshMover::new(MeshMotion::Still, case.mesh.clone(), numbering, case.time.order);
+    let start = read::<D, M>(case, flow, &mover)?;
+    Ok(start.map_or_else(Vec::new, |start| start.warnings))
 }
 
 /// The state from which `case` starts on the mesh of `mover`, if it names a result: in the orders of the case, with the sums and the
@@ -105,7 +110,11 @@ impl Origin {
         let to = Orders { flow: flow.order, mesh, time: case.time.order };
         let (mut state, frozen, stale) = self.loaded::<D, M>(case, mover, from)?;
         self.join_schedule(&mut state, &case.time)?;
-        let warnings = self.check_motion(case, mover, &state)?.into_iter().collect();
+        let mut warnings = self.check_motion(case, mover, &state)?;
+        state.boundary_jumps = self.jumps(case, mover, &state);
+        warnings.extend(self.misunderstood_start(case, state.time)?);
+        let added_walls = surfaces::added(case, &metadata.case_text);
+        warnings.extend(surfaces::late_means(case, &added_walls, state.time));
         let pressure_changes = gas_changed && case.allows(AllowedChange::Mach);
         if pressure_changes {
             self.shift_pressure::<D, M>(flow, from.flow, &mut state)?;
@@ -123,7 +132,21 @@ impl Origin {
         continued.arrays.extend(sums);
         let is_measured_anew =
             pressure_changes || self.has_other_quadrature(case)? || self.is_other(case, &["bodies", "structure"])?;
-        Ok(Start { state: continued, warnings, surfaces: Vec::new(), searches_anew, is_measured_anew })
+        Ok(Start { state: continued, warnings, surfaces: Vec::new(), added_walls, searches_anew, is_measured_anew })
+    }
+
+    /// A warning if `time.start` is neither that of the run nor the `time` from which this case goes on.
+    fn misunderstood_start<const D: usize>(&self, case: &Case<D>, time: f64) -> Result<Option<String>, RestartError> {
+        let there = start_of(&self.result.metadata.case_text).map_err(|reason| self.unreadable(reason))?;
+        let (start, time, round_off) = (case.time.start, rounded_time(time), 1e-9 * case.time.step);
+        let is_meant = |other: f64| (start - other).abs() <= round_off;
+        Ok((start != 0.0 && !is_meant(there) && !is_meant(time)).then(|| {
+            format!(
+                "`time.start` = {start} is not where this run begins: it goes on from t = {time}, where `{}` stands, and only its slabs count from \
+                 `time.start`; leave that key out",
+                self.path.display()
+            )
+        }))
     }
 
     /// Whether one of these `tables` of `case` is another than in the run.
@@ -228,22 +251,6 @@ impl Origin {
         if there == here { Ok(()) } else { Err(self.differs("coordinates of the bodies", told(&there), told(&here))) }
     }
 
-    /// Driven coordinates of bodies must be where their motion puts them.
-    fn check_drives<const D: usize>(&self, case: &Case<D>, state: &State) -> Result<(), RestartError> {
-        for (body, stored) in case.bodies.iter().zip(&state.bodies) {
-            for (freedom, &there) in body.freedoms.iter().zip(stored) {
-                let is_driven = freedom.release.is_none_or(|release| is_before(state.time, release, case.time.step));
-                let Some(motion) = freedom.motion.as_ref().filter(|_| is_driven) else { continue };
-                let here = motion.evaluate::<f64>(&[], state.time);
-                if (there - here).abs() > 1e-9 * (freedom.size(&case.mesh) + there.abs().max(here.abs())) {
-                    let (path, time, body) = (self.path.clone(), state.time, body.name.clone());
-                    return Err(RestartError::BodyJumps { path, time, body, coordinate: freedom.name, there, here });
-                }
-            }
-        }
-        Ok(())
-    }
-
     /// Raises the pressure everywhere by the difference of the reference pressures: rho E = p / (gamma - 1) + ...
     fn shift_pressure<const D: usize, const M: usize>(
         &self,
@@ -263,16 +270,16 @@ impl Origin {
         Ok(())
     }
 
-    /// Checks that the motion of `case` continues the motion of the run: a jump of the position is refused, a jump of the
-    /// velocity is a warning.
+    /// Checks that the motion of `case` continues the motion of the run: a jump of the position is refused. Returns warnings about jumps of
+    /// velocities.
     fn check_motion<const D: usize>(
         &self,
         case: &Case<D>,
         mover: &MeshMover<D>,
         state: &State,
-    ) -> Result<Option<String>, RestartError> {
+    ) -> Result<Vec<String>, RestartError> {
         if case.allows(AllowedChange::Motion) {
-            return Ok(None);
+            return Ok(Vec::new());
         }
         if let Some(jump) = motion_jump::of_position(case, mover, state) {
             let [position, there, here] = [jump.position, jump.there, jump.here].map(|vector| vector.to_vec());
@@ -280,25 +287,37 @@ impl Origin {
             return Err(RestartError::MotionJumps { path, time: state.time, position, there, here, distance });
         }
         self.check_drives(case, state)?;
-        self.check_supports(case, state)?;
+        let of_supports = self.check_supports(case, state)?;
+        let of_bodies = self.jump_of_drives(case, state)?;
+        Ok([self.jump_of_velocity(case, mover, state), of_bodies, of_supports].into_iter().flatten().collect())
+    }
+
+    /// A warning if the motion of the mesh changes its velocity at once.
+    fn jump_of_velocity<const D: usize>(&self, case: &Case<D>, mover: &MeshMover<D>, state: &State) -> Option<String> {
         let path = self.path.display();
         let before = match motion_of(&self.result.metadata.case_text, &case.mesh) {
             Ok(motion) => Case { motion, ..case.clone() },
             Err(reason) => {
-                return Ok(Some(format!("the velocities of the motion in `{path}` cannot be compared: {reason}")));
+                return Some(format!("the velocities of the motion in `{path}` cannot be compared: {reason}"));
             }
         };
         if before.motion == case.motion {
-            return Ok(None);
+            return None;
         }
         let jump = motion_jump::of_velocity(&before, case, mover, state.time);
-        Ok(jump.map(|motion_jump::Jump { position, there, here }| {
+        jump.map(|motion_jump::Jump { position, there, here }| {
             format!(
                 "the boundary changes its velocity at once at t = {}, which sends a pressure wave into the flow: the point at {position:?} \
                  moves with {there:.6?} in `{path}`, and with {here:.6?} from here on",
                 state.time
             )
-        }))
+        })
+    }
+
+    /// Whether the motion of `case`, which is allowed to jump, does so.
+    fn jumps<const D: usize>(&self, case: &Case<D>, mover: &MeshMover<D>, state: &State) -> bool {
+        case.allows(AllowedChange::Motion)
+            && (motion_jump::of_position(case, mover, state).is_some() || self.check_drives(case, state).is_err())
     }
 
     fn unreadable(&self, reason: String) -> RestartError {

@@ -29,7 +29,7 @@ where
 {
     let (system, state) = (&march.solver.system, &mut march.state);
     let (share, displacement) = (&*system.flow.operator.share, &state.d[..]);
-    let time_unit = time_unit(flow);
+    let time_unit = flow.time_unit();
     let search = Search {
         discretise: &|discretisation| build::steady::<D, M>(case, flow, (share, displacement), discretisation),
         order: flow.order,
@@ -63,23 +63,18 @@ where
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
-    let time = Time { order: 1, step: FIRST_SLAB * time_unit(flow), control: None, ..case.time };
+    let time = Time { order: 1, step: FIRST_SLAB * flow.time_unit(), control: None, ..case.time };
     let share = &march.solver.system.flow.operator.share;
     let with_one_node = Case { time, ..case.clone() };
     let mover = build::mover_of(&with_one_node, share.sums.clone())?;
     let mut released = build::march_of::<D, M>(&with_one_node, flow, mover, (**share).clone())?;
     released.solver.newton.relative_tolerance = SLAB_TOLERANCE;
     released.state.u.clone_from(&march.state.u);
-    let found = find_equilibrium(&mut released, steady.tolerance, flow.reference_length).map_err(with_cause)?;
+    let found = find_equilibrium(&mut released, steady.tolerance, flow.time_length).map_err(with_cause)?;
     let coupled::State { u, d, bodies, .. } = released.state;
     march.solver.system.flow.operator.set_displacement(&d);
     (march.state.u, march.state.d, march.state.bodies) = (u, d, bodies);
     Ok(found)
-}
-
-/// The time in which the flow passes its reference length.
-fn time_unit<const D: usize>(flow: &Flow<D>) -> f64 {
-    flow.reference_length / flow.reference_speed
 }
 
 /// The slab that could not be solved is the cause that the examination of a failure looks for.

@@ -57,7 +57,7 @@ pub enum Command {
         #[command(flatten)]
         drawing: DrawingArguments,
         /// The Q of the surfaces that show vortices in three dimensions [default: four fifths of the integral of positive Q lie above it].
-        #[arg(long, value_name = "Q", value_parser = finite)]
+        #[arg(long, value_name = "Q", value_parser = finite, allow_hyphen_values = true)]
         q_level: Option<f64>,
     },
     /// Print what differs between two runs: keys of their cases, figures, curves.

@@ -16,6 +16,7 @@ pub struct Progress {
     /// The interval that this process covers.
     start: f64,
     end: f64,
+    times: Times,
     begun: Instant,
     /// The time that passed before the first slab.
     before_slabs: OnceLock<Duration>,
@@ -27,6 +28,9 @@ enum Display {
     Lines,
     Nothing,
 }
+
+/// Smaller times are written with an exponent.
+const SMALL_TIME: f64 = 1e-3;
 
 /// The number of parts in which the bar counts time. Slabs may be halved, so their number is not known.
 const PARTS: u64 = 10_000;
@@ -45,6 +49,7 @@ impl Progress {
             display,
             terminal: terminal.clone(),
             start,
+            times: Times::new(start, end),
             end: rounded_time(end),
             begun: Instant::now(),
             before_slabs: OnceLock::new(),
@@ -61,7 +66,7 @@ impl Progress {
 
     /// Reports a slab.
     pub fn slab(&self, slab: &SlabDone) {
-        self.show(slab.time, describe(slab, self.end));
+        self.show(slab.time, describe(slab, &self.times.of(slab.time)));
     }
 
     fn show(&self, time: f64, text: String) {
@@ -80,18 +85,16 @@ impl Progress {
 
     /// Reports a slab of the mesh alone.
     pub fn mesh(&self, number: usize, time: f64, quality: &coupled::MeshQuality) {
-        let text =
-            format!("slab {number}  t = {time:.6} of {}  det J / det J_0 >= {:.4}", self.end, quality.lower_bound);
+        let text = format!("slab {number}  t = {}  det J / det J_0 >= {:.4}", self.times.of(time), quality.lower_bound);
         self.show(time, text);
     }
 
     /// Reports a slab of a structure.
     pub fn structure(&self, report: &coupled::StructureReport) {
         let coupled::StructureReport { slab, interval, dynamics, kinetic_energy, strain_energy, .. } = report;
-        let (time, end, energy, iterations) =
-            (interval.end, self.end, kinetic_energy + strain_energy, dynamics.iterations);
-        let text = format!("slab {slab}  t = {time:.6} of {end}  energy {energy:.6e}  iterations {iterations}");
-        self.show(time, text);
+        let (times, energy) = (self.times.of(interval.end), kinetic_energy + strain_energy);
+        let text = format!("slab {slab}  t = {times}  energy {energy:.6e}  iterations {}", dynamics.iterations);
+        self.show(interval.end, text);
     }
 
     /// Prints a line above the bar, unless `--quiet` is set.
@@ -120,9 +123,34 @@ fn bar() -> ProgressBar {
 }
 
 /// slab 12  t = 0.24 of 8  newton 3  krylov 27  residual 1.2e-9
-fn describe(slab: &SlabDone, end: f64) -> String {
-    let SlabDone { number, time, newton, krylov, residual } = slab;
-    format!("slab {number}  t = {time:.6} of {end}  newton {newton}  krylov {krylov}  residual {residual:.1e}")
+fn describe(slab: &SlabDone, times: &str) -> String {
+    let SlabDone { number, newton, krylov, residual, .. } = slab;
+    format!("slab {number}  t = {times}  newton {newton}  krylov {krylov}  residual {residual:.1e}")
+}
+
+/// How times of a run are written, such that those of its slabs differ.
+#[derive(Clone, Copy, Debug)]
+struct Times {
+    end: f64,
+    /// Digits after the point.
+    digits: usize,
+    /// Whether all times are so small that they are written with an exponent.
+    are_small: bool,
+}
+
+impl Times {
+    /// Those of a run from `start` to `end`: to about a millionth of its length, with at least six digits.
+    fn new(start: f64, end: f64) -> Self {
+        let (largest, length) = (start.abs().max(end.abs()), end - start);
+        let digits = if length > 0.0 { (6.0 - length.log10()).floor().clamp(6.0, 15.0) as usize } else { 6 };
+        Times { end: rounded_time(end), digits, are_small: largest > 0.0 && largest < SMALL_TIME }
+    }
+
+    /// "0.24 of 8", for the time 0.24.
+    fn of(self, time: f64) -> String {
+        let Times { end, digits, are_small } = self;
+        if are_small { format!("{time:.6e} of {end:e}") } else { format!("{time:.digits$} of {end}") }
+    }
 }
 
 /// 12 s elapsed, 48 s left
@@ -152,6 +180,19 @@ mod tests {
     #[test]
     fn a_slab_is_one_line() {
         let slab = SlabDone { number: 12, time: 0.24, newton: 3, krylov: 27, residual: 1.2e-9 };
-        assert_eq!(describe(&slab, 8.0), "slab 12  t = 0.240000 of 8  newton 3  krylov 27  residual 1.2e-9");
+        let line = describe(&slab, &Times::new(0.0, 8.0).of(slab.time));
+        assert_eq!(line, "slab 12  t = 0.240000 of 8  newton 3  krylov 27  residual 1.2e-9");
+    }
+
+    /// All slabs of a run to t = 1e-8 were at t = 0.000000.
+    #[test]
+    fn times_of_slabs_differ_in_any_unit() {
+        let told = |start: f64, end: f64, time: f64| Times::new(start, end).of(time);
+        assert_eq!(told(0.0, 1e-8, 5e-10), "5.000000e-10 of 1e-8");
+        assert_eq!(told(0.0, 6.815388118e-6, 3.4e-7), "3.400000e-7 of 6.815388118e-6");
+        assert_eq!(told(0.0, 0.5, 0.025), "0.025000 of 0.5");
+        assert_eq!(told(0.0, 0.05, 0.025), "0.0250000 of 0.05");
+        assert_eq!(told(1.0, 1.00001, 1.000005), "1.0000050000 of 1.00001");
+        assert_eq!(told(0.0, 0.0, 0.0), "0.000000 of 0");
     }
 }

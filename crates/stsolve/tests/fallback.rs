@@ -81,6 +81,21 @@ fn a_run_goes_back_and_on_in_a_split_form_and_says_so() {
     assert_conserves(&summary);
 }
 
+/// The warning blamed the mesh, also if too few Newton steps were allowed.
+#[test]
+fn too_few_newton_steps_are_named() {
+    let (directory, watch) = (TempDir::new().unwrap(), Watch::new(f64::INFINITY));
+    let few = ["solver.newton_steps=2", "solver.slab_halvings=0", "time.end=0.05"];
+    // Whether two steps are enough in the split form does not matter.
+    drop(run(directory.path(), &few, Existing::Keep, &watch));
+    let messages = watch.messages.into_inner().unwrap();
+    assert!(messages.contains("too few Newton steps are allowed"), "{messages}");
+    assert!(
+        messages.contains("raise `solver.newton_steps`, now 2") && !messages.contains("does not resolve"),
+        "{messages}"
+    );
+}
+
 /// The balances hold on a curved mesh that moves too, where the two quadratures measure other masses.
 #[test]
 fn the_balances_hold_on_a_curved_mesh_that_moves() {

@@ -350,6 +350,17 @@ fn a_control_finds_the_force_of_a_mass_flow() {
     assert!((momentum - 2.0).abs() < 1e-3 && (force - 0.03).abs() < 3e-4, "{momentum} {force}");
 }
 
+/// A control that nothing contains had no effect, and nothing said so.
+#[test]
+fn a_control_that_no_formula_contains_is_warned_of() {
+    let directory = TempDir::new().unwrap();
+    std::fs::write(directory.path().join("case.toml"), DRIVEN).unwrap();
+    let check = |change: &str| stsolve(directory.path(), &["check", "case.toml", "--set", change]).stdout;
+    let told = "no formula contains `force`";
+    let [unused, used] = ["flow.source.acceleration=[0.03,0]", "time.end=2"].map(check);
+    assert!(unused.contains(told) && !used.contains(told), "{unused}{used}");
+}
+
 #[test]
 fn a_control_has_the_same_bits_after_a_resume() {
     let directory = TempDir::new().unwrap();

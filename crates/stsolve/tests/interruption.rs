@@ -59,13 +59,13 @@ fn a_run_that_is_stopped_and_resumed_has_the_same_bits() {
 /// If slabs are adapted, the length of the next one belongs to the state.
 #[test]
 fn a_run_with_adapted_slabs_that_is_stopped_and_resumed_has_the_same_bits() {
-    stop_and_resume("vortex", &["time.end=4", "time.step=0.02", "time.adaptive.tolerance=2e-4"]);
+    stop_and_resume("vortex", &["time.end=4", "time.step=0.02", "time.adaptive.tolerance=2e-5"]);
 }
 
 /// Low-order blocks are rounded. They were rounded anew for another length of the slab.
 #[test]
 fn adapted_slabs_with_the_low_order_preconditioner_keep_their_bits() {
-    let adapted = ["time.end=4", "time.step=0.02", "time.adaptive.tolerance=2e-4", "solver.preconditioner=low_order"];
+    let adapted = ["time.end=4", "time.step=0.02", "time.adaptive.tolerance=2e-5", "solver.preconditioner=low_order"];
     stop_and_resume("vortex", &adapted);
 }
 

@@ -326,6 +326,13 @@ fn refuses_bad_pictures(directory: &Path) {
     let words = ["report", "run", "--picture", "mach", "--range", "1"];
     stsolve(directory, &words).expect(2, &["two numbers with a comma between them"]);
     stsolve(directory, &["report", "run", "--picture", "mach", "--movie", "mach"]).expect(2, &["cannot be used with"]);
+    // A level of Q was ignored, and a negative one was taken for an option.
+    for level in ["2.5", "-1"] {
+        let plane = ["three dimensions", "is plane"];
+        stsolve(directory, &["report", "run", "--q-level", level]).expect(2, &plane);
+        stsolve(directory, &["report", "run", "--picture", "mach", "--q-level", level]).expect(2, &plane);
+    }
+    stsolve(directory, &["report", "run", "run", "--q-level", "1"]).expect(2, &["the page of one run"]);
     stsolve(directory, &["report", "run", "--no-edges"]).expect(2, &["--movie [<FIELD>]"]);
 }
 

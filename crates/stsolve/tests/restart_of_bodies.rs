@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Outcome, number, on_case, summary};
+use common::{Outcome, column, number, on_case, summary};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -53,4 +53,63 @@ fn a_support_that_jumps_is_refused() {
         let output = format!("then_{code}");
         run(directory.path(), "elastic_piston", &changes, Some("first"), &output).expect(code, told);
     }
+}
+
+/// A piston that is driven, with slabs that adapt.
+const DRIVEN: [&str; 5] = [
+    "flow.order=3",
+    "mesh.generate.box.cells=[4,1]",
+    "time={order=2,end=0.4,step=0.05}",
+    "time.adaptive={tolerance=1e-3}",
+    "bodies.piston.x.motion=\"0.1*t^2\"",
+];
+
+/// Whether a run from the result "first" warns of a rate that jumps.
+fn warns(directory: &Path, name: &str, changes: &[&str], told: &str) -> bool {
+    let output = format!("then_{}", std::fs::read_dir(directory).unwrap().count());
+    run(directory, name, changes, Some("first"), &output).expect(0, &[]);
+    std::fs::read_to_string(directory.join(output).join("log.jsonl")).unwrap().contains(told)
+}
+
+/// Only a jump of the velocity of the mesh was warned of.
+#[test]
+fn rates_that_jump_are_warned_of() {
+    let directory = TempDir::new().unwrap();
+    run(directory.path(), "piston_free", &DRIVEN, None, "first").expect(0, &[]);
+    for (motion, expected) in [
+        // A motion is zero at t = 0.
+        ("0.016*min(10*t,1)", true),
+        ("(0.016+0.08*(t-0.4))*min(10*t,1)", false),
+        ("0.1*t^2+t*(t-0.4)^2", false),
+    ] {
+        let motion = format!("bodies.piston.x.motion=\"{motion}\"");
+        let changes = [&DRIVEN[..], &[&motion, "time.end=0.5"]].concat();
+        let found =
+            warns(directory.path(), "piston_free", &changes, "the body `piston` changes its rate at once at t = 0.4");
+        assert_eq!(found, expected, "{motion}");
+    }
+    let directory = TempDir::new().unwrap();
+    run(directory.path(), "elastic_piston", &PISTON, None, "first").expect(0, &[]);
+    for (left, expected) in [("0.02*sin(0.4)", true), ("0.02*sin(t)+0.01*t*(t-0.4)^2", false)] {
+        let left = format!("structure.boundary.left={{displacement=[\"{left}\",0]}}");
+        let changes = [&PISTON[..], &[&left, "time.end=0.5"]].concat();
+        let told = "a support of the structure changes its velocity at once at t = 0.4";
+        assert_eq!(warns(directory.path(), "elastic_piston", &changes, told), expected, "{left}");
+    }
+}
+
+/// The piston made its way in the shortest slab, a thousandth of the step: the work of its drive was a million times larger.
+#[test]
+fn a_jump_that_is_allowed_is_made_in_a_whole_slab() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    run(at, "piston_free", &DRIVEN, None, "first").expect(0, &[]);
+    let jump = ["bodies.piston.x.motion=\"0.03*min(10*t,1)\"", "restart.allow=[\"motion\"]", "time.end=0.5"];
+    run(at, "piston_free", &[&DRIVEN[..], &jump].concat(), Some("first"), "jumped").expect(0, &[]);
+    let rows = column(&at.join("first"), "t").len();
+    let times = column(&at.join("jumped"), "t");
+    assert!(times[rows] - times[rows - 1] > 0.01, "{:?}", &times[rows - 1..]);
+    assert!(times[rows + 1] - times[rows] < times[rows] - times[rows - 1], "the next slab is shortened");
+    let work = column(&at.join("jumped"), "piston_drive_work");
+    assert!((work[rows] - work[rows - 1]).abs() < 1.0, "{work:?}");
 }

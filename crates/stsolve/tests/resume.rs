@@ -120,7 +120,7 @@ fn a_run_continues_within_a_slab() {
 #[test]
 fn a_run_with_adapted_slabs_has_the_same_bits_for_any_number_of_threads() {
     let directory = TempDir::new().unwrap();
-    let changes = ["time.step=0.01", "time.adaptive.tolerance=5e-3"];
+    let changes = ["time.step=0.01", "time.adaptive.tolerance=5e-4"];
     for threads in ["1", "2"] {
         run(directory.path(), &changes, "2", threads, &["--threads", threads]);
     }

@@ -48,8 +48,8 @@ pub(super) fn check<const D: usize>(
         return Err(checker.combination(&key, problem, "this section together with [flow]"));
     }
     let from = checker.number(&key.child("from"), &raw.from)?;
-    let accepted = format!("a time before the end of the run, {}", time.end);
-    checker.require(&key.child("from"), "the start of the averages", from < time.end, &accepted)?;
+    // A run may be split before they begin.
+    checker.require(&key.child("from"), "the start of the averages", from.is_finite(), "a finite number")?;
     let to = raw.to.as_ref().map(|to| checker.number(&key.child("to"), to)).transpose()?;
     let accepted = format!("a time after their start, {from}");
     let later = to.is_none_or(|to| to > from && to.is_finite());

@@ -18,6 +18,8 @@ pub struct Control {
     /// The number in formulas.
     pub value: ControlValue,
     rate: Rate,
+    /// Whether a formula of the flow contains it.
+    pub is_used: bool,
 }
 
 /// How a control changes.
@@ -46,9 +48,14 @@ impl Control {
         }
     }
 
+    /// This control, `is_used` or not.
+    pub(super) fn with_use(&self, is_used: bool) -> Self {
+        Control { is_used, ..self.clone() }
+    }
+
     /// A control that follows the column `measure` with the time constant `time`.
     pub(super) fn with_memory(name: String, measure: String, initial: f64, time: f64) -> Self {
-        Control { name, measure, initial, value: ControlValue::new(initial), rate: Rate::Memory(time) }
+        Control { name, measure, initial, value: ControlValue::new(initial), rate: Rate::Memory(time), is_used: true }
     }
 }
 
@@ -58,7 +65,7 @@ pub(super) fn check(checker: &Checker<'_>, name: &str, raw: &raw::Control) -> Ch
     let initial = checker.number(&key.child("initial"), &raw.initial)?;
     let rate = Rate::Formula(checker.formula_of_control(&key.child("rate"), &raw.rate)?);
     let (name, measure, value) = (name.to_owned(), raw.measure.clone(), ControlValue::new(initial));
-    Ok(Control { name, measure, initial, value, rate })
+    Ok(Control { name, measure, initial, value, rate, is_used: false })
 }
 
 /// Checks that only a case with a flow has controls.

@@ -11,6 +11,7 @@ use super::quadrature;
 use super::source::{self, Source};
 use super::states::{self, Typical};
 use super::time::Time;
+use super::time_length;
 use super::walls;
 use crate::checker::{Checked, Checker, OTHERS};
 use crate::error::Errors;
@@ -30,8 +31,10 @@ pub struct Flow<const D: usize> {
     pub law: NavierStokes<D>,
     /// A typical speed, that of the reference state.
     pub reference_speed: f64,
-    /// A typical length, for the Reynolds number.
+    /// A typical length, for coefficients and the Reynolds number.
     pub reference_length: f64,
+    /// The length that the flow passes in a unit of time: the reference length if it is given, or else that of bodies or of the mesh.
+    pub time_length: f64,
     /// The quadrature points.
     pub quadrature: fem::Quadrature,
     /// The state at the start.
@@ -79,6 +82,14 @@ impl<const D: usize> Flow<D> {
     pub(super) fn controls(&self) -> impl Iterator<Item = &Control> {
         self.boundary.iter().filter_map(|data| data.control.as_ref())
     }
+    /// The time in which the flow passes `time_length`.
+    pub fn time_unit(&self) -> f64 {
+        self.time_length / self.reference_speed
+    }
+    /// The length of bodies in `mesh`, or that of `mesh` without a body; and the largest that may be meant.
+    pub fn lengths_in(&self, mesh: &Mesh<D>) -> [f64; 2] {
+        time_length::of_mesh(mesh, &self.boundary)
+    }
     /// The pressure of the reference state.
     pub fn reference_pressure(&self) -> f64 {
         self.law.reference.pressure(&self.law.gas)
@@ -106,7 +117,25 @@ pub(super) fn check<const D: usize>(
     let (Some(order), Some(numerics), Some(given), Some(of_gas)) = (order, numerics, given, of_gas) else {
         unreachable!("what is missing has left an error")
     };
-    Ok(assembled(raw, order, numerics, given, of_gas))
+    let time_length = time_length(checker, &key, given.length, mesh, &of_gas.boundary);
+    Ok(assembled(raw, order, time_length, numerics, given, of_gas))
+}
+
+/// The length from which scales of time follow: the `given` one, or that of the mesh.
+fn time_length<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    given: Option<f64>,
+    mesh: &Mesh<D>,
+    conditions: &[BoundaryData<D>],
+) -> f64 {
+    given.unwrap_or_else(|| {
+        let [length, _] = time_length::of_mesh(mesh, conditions);
+        let of_time = format!("{length}, from the mesh, for scales of time");
+        let taken = format!("{} for coefficients and the Reynolds number; {of_time}", given::DEFAULT_LENGTH);
+        checker.note_default(&key.child("reference").child("length"), &taken);
+        length
+    })
 }
 
 /// Settings of the discretisation that do not depend on the gas.
@@ -160,7 +189,8 @@ impl<const D: usize> OfGas<D> {
         };
         let source = errors.note(source::check(checker, key, raw, given.gas, (mesh, time)));
         let walls = boundary.as_ref().and_then(|boundary| {
-            let given = forces::Given { forces: &raw.forces, reference: given.reference, length: given.length, time };
+            let length = given.length.unwrap_or(given::DEFAULT_LENGTH);
+            let given = forces::Given { forces: &raw.forces, reference: given.reference, length, time };
             errors.note(forces::check(checker, &key.child("forces"), &given, mesh, boundary))
         });
         errors.all()?;
@@ -174,6 +204,7 @@ impl<const D: usize> OfGas<D> {
 fn assembled<const D: usize>(
     raw: &raw::Flow,
     order: usize,
+    time_length: f64,
     numerics: Numerics,
     given: Given<D>,
     of_gas: OfGas<D>,
@@ -193,7 +224,8 @@ fn assembled<const D: usize>(
             wall_flux: wall_flux(raw.wall_flux),
         },
         reference_speed: speed,
-        reference_length: length,
+        reference_length: length.unwrap_or(given::DEFAULT_LENGTH),
+        time_length,
         quadrature,
         initial,
         uniform_velocity,

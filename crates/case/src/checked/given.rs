@@ -8,6 +8,9 @@ use crate::raw;
 use crate::state::State;
 use navier_stokes::{Gas, Reference, Viscosity};
 
+/// The length to which coefficients and Reynolds numbers refer where the case gives none.
+pub(super) const DEFAULT_LENGTH: f64 = 1.0;
+
 /// What the conditions of a flow refer to.
 pub(super) struct Given<const D: usize> {
     pub(super) exact: Option<State<D>>,
@@ -16,9 +19,10 @@ pub(super) struct Given<const D: usize> {
     pub(super) uniform_velocity: Option<[f64; D]>,
     pub(super) gas: Gas,
     pub(super) reference: Reference,
-    /// The speed and the length of the reference.
+    /// The speed of the reference.
     pub(super) speed: f64,
-    pub(super) length: f64,
+    /// Its length, if there is one.
+    pub(super) length: Option<f64>,
 }
 
 /// Checks them.
@@ -79,7 +83,7 @@ fn gas<const D: usize>(checker: &Checker<'_>, flow_key: &Key, flow: &raw::Flow) 
     let [exact, initial] = states::<D>(checker, flow_key, flow, provisional)?;
     let stream = exact.or(initial).and_then(|typical| typical.stream);
     let (reference, speed, length) = reference(checker, flow_key, flow.reference.as_ref(), stream, provisional)?;
-    gas(Viscosity::Constant(reference.density() * speed * length / reynolds))
+    gas(Viscosity::Constant(reference.density() * speed * length.unwrap_or(DEFAULT_LENGTH) / reynolds))
 }
 
 fn gas_constant(checker: &Checker<'_>, key: &Key, raw: &raw::Gas) -> Checked<f64> {
@@ -131,19 +135,19 @@ fn viscosity(checker: &Checker<'_>, key: &Key, raw: &raw::Viscosity) -> Checked<
     }
 }
 
-/// The given reference state, or the `stream`; with its speed and a length.
+/// The given reference state, or the `stream`; with its speed and the length that is given.
 fn reference<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
     raw: Option<&raw::Reference>,
     stream: Option<navier_stokes::Primitive<f64, D>>,
     gas: Gas,
-) -> Checked<(Reference, f64, f64)> {
+) -> Checked<(Reference, f64, Option<f64>)> {
     let key_reference = key.child("reference");
     if let Some(raw) = raw {
-        let numbers =
-            [("density", raw.density), ("speed", raw.speed), ("pressure", raw.pressure), ("length", raw.length)];
-        for (name, value) in numbers {
+        let length = raw.length.map(|length| ("length", length));
+        let numbers = [("density", raw.density), ("speed", raw.speed), ("pressure", raw.pressure)];
+        for (name, value) in numbers.into_iter().chain(length) {
             checker.positive(&key_reference.child(name), &format!("the {name}"), value)?;
         }
         let reference = Reference::new(&gas, raw.density, raw.speed, raw.pressure);
@@ -160,9 +164,8 @@ fn reference<const D: usize>(
         return Err(checker.combination(&key_reference, problem, accepted));
     };
     let (density, pressure) = (stream.density, stream.pressure);
-    let taken =
-        format!("{{ density = {density}, speed = {speed}, pressure = {pressure}, length = 1 }}, of the free stream");
+    let taken = format!("{{ density = {density}, speed = {speed}, pressure = {pressure} }}, of the free stream");
     checker.note_default(&key_reference, &taken);
     let reference = Reference::new(&gas, density, speed, pressure);
-    Ok((checker.physics(&key_reference, reference)?, speed, 1.0))
+    Ok((checker.physics(&key_reference, reference)?, speed, None))
 }

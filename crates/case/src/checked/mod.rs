@@ -37,6 +37,7 @@ mod structure;
 mod surfaces;
 mod tables;
 mod time;
+mod time_length;
 mod vector_of_time;
 mod walls;
 
@@ -55,8 +56,8 @@ pub use motion::{Motion, Stiffness};
 pub use parts::SolidPart;
 pub use probes::{Line, Observed, Probe, Slice, is_name_of_average};
 pub use resolved::{
-    bodies_of, gas_of, motion_of, quadrature_of, ratio_of_specific_heats_of, reference_pressure_of,
-    structure_points_of, title_of, walls_of,
+    bodies_of, freedoms_of, gas_of, motion_of, quadrature_of, ratio_of_specific_heats_of, reference_pressure_of,
+    start_of, structure_points_of, title_of, walls_of, walls_with_series_of,
 };
 pub use sliding_mesh::{Held, constrained};
 pub use source::Source;
@@ -242,7 +243,8 @@ impl<const D: usize> Case<D> {
         stages: usize,
     ) -> Self {
         let of_boundaries = flow.iter().flat_map(Flow::controls);
-        let controls = checker.controls().iter().chain(of_boundaries).cloned().collect();
+        let named = checker.controls().iter().map(|control| control.with_use(checker.uses(control)));
+        let controls = named.chain(of_boundaries.cloned()).collect();
         Case {
             about: About::new(checker, document, raw),
             mesh,

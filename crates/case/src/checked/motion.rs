@@ -256,7 +256,8 @@ pub(super) fn check_alone<const D: usize>(
     }
     errors.note(Elasticity::check(checker, &key, raw, mesh));
     let key = key.child("boundary");
-    errors.note(checker.by_boundary(&key, "motion", &raw.boundary, mesh.boundary_names()));
+    // What moves walls is not known here: a boundary without an entry is no error yet.
+    errors.note(checker.known_boundaries(&key, &raw.boundary, mesh.boundary_names()));
     for (name, motion) in &raw.boundary {
         errors.note(check_formulas::<D>(checker, &key.child(name), motion));
     }
@@ -265,6 +266,17 @@ pub(super) fn check_alone<const D: usize>(
 
 /// The displacement of each boundary, and what each of them holds if it slides.
 type OfBoundaries<const D: usize> = (Vec<Option<BoundaryMotion<D>>>, Vec<Option<Held<D>>>);
+
+/// The motions that are `given`. Boundaries that something else has `moved` need none of their own, and `others` does not mean them.
+fn with_fixed(
+    given: &BTreeMap<String, raw::BoundaryMotion>,
+    names: &[String],
+    moved: &[bool],
+) -> BTreeMap<String, raw::BoundaryMotion> {
+    let moved = names.iter().zip(moved).filter(|(_, moved)| **moved);
+    let fixed = moved.map(|(name, _)| (name.clone(), raw::BoundaryMotion::Fixed));
+    fixed.chain(given.iter().map(|(name, motion)| (name.clone(), motion.clone()))).collect()
+}
 
 /// The motions of all boundaries, `given` at `key`.
 fn of_boundaries<const D: usize>(
@@ -276,6 +288,7 @@ fn of_boundaries<const D: usize>(
     time: &Time,
 ) -> Checked<OfBoundaries<D>> {
     let (mut errors, names) = (Errors::default(), mesh.boundary_names());
+    let given = &with_fixed(given, names, moved);
     errors.note(checker.by_boundary(key, "motion", given, names));
     let unknown = checker.entries_of_none(key, given, names);
     for (key, motion) in &unknown {

@@ -68,7 +68,8 @@ pub(super) fn outflow<const D: usize>(
     Ok(BoundaryData::uniform(Boundary::Outflow(checker.physics(&key.child("pressure"), outflow)?)))
 }
 
-/// The outflow `data` with the velocity outside that `raw.relaxation` asks for: along the normal of the boundary, it follows the mean velocity there.
+/// The outflow `data` with the velocity outside that `raw.relaxation` asks for: along the normal of the boundary its mean follows the mean velocity
+/// there. A profile keeps its shape.
 pub(super) fn relaxed<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
@@ -78,7 +79,7 @@ pub(super) fn relaxed<const D: usize>(
     time: &Time,
 ) -> Checked<BoundaryData<D>> {
     let Some(memory) = raw.relaxation else { return Ok(data) };
-    let key = key.child("relaxation");
+    let (key_of_velocity, key) = (key.child("velocity"), key.child("relaxation"));
     let memory = checker.positive(&key, "the time", memory)?;
     let (Some(_), Some(Data::Values(values))) = (&raw.velocity, &data.data) else {
         return Err(checker.combination(
@@ -87,13 +88,27 @@ pub(super) fn relaxed<const D: usize>(
             "this key together with `velocity`",
         ));
     };
+    if let Some(axis) = values.vector.changes_in_time() {
+        let problem = "with `relaxation` the gas changes the velocity outside, and the formula gives its start alone";
+        let accepted = "a formula without `t` and without controls, or no `relaxation`";
+        return Err(checker.combination(&key_of_velocity.entry(axis), problem, accepted));
+    }
     let normal = normal_of_plane(checker, &key, &nodes_with_normals(mesh, boundary))?;
     let initial = mean(mesh, boundary, |x| dot(&values.vector.evaluate(x, time.start), &normal));
     let name = &mesh.boundary_names()[boundary];
     let control = Control::with_memory(format!("{name}_stream"), format!("{name}_velocity"), initial, memory);
-    let vector = Vector::new(normal.map(|n| Program::multiple(n, &control.value)));
+    let vector = match values.vector.as_constant() {
+        Some(stream) if is_along(&stream, &normal) => Vector::new(normal.map(|n| Program::multiple(n, &control.value))),
+        _ => values.vector.clone().plus_change(&normal, &control.value, initial),
+    };
     let data = BoundaryData::by_formulas(data.condition, PointData { vector, ..(**values).clone() });
     Ok(BoundaryData { control: Some(control), ..data })
+}
+
+/// Whether `vector` has the direction of the unit vector `normal`, or the opposite one, up to round-off.
+fn is_along<const D: usize>(vector: &[f64; D], normal: &[f64; D]) -> bool {
+    let along = dot(vector, normal);
+    (norm(vector) - along.abs()).abs() <= 1e-12 * along.abs()
 }
 
 /// The outward unit normal of a plane boundary.

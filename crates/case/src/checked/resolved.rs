@@ -1,7 +1,7 @@
 //! Reads a resolved case, as a result file holds it.
 
 use super::movers::Movers;
-use super::{AllowedChange, AnyCase, Flow, Motion, checker_of, mesh_crate, motion, time};
+use super::{AllowedChange, AnyCase, Flow, Freedom, Motion, RigidBody, checker_of, mesh_crate, motion, time};
 use crate::checker::{OTHERS, Sound};
 use crate::document::Document;
 use crate::error::CaseError;
@@ -73,6 +73,38 @@ pub fn bodies_of(resolved: &str) -> Result<String, String> {
 pub fn structure_points_of(resolved: &str) -> Result<Vec<(String, Vec<f64>)>, String> {
     let points = raw::from_toml(resolved)?.structure.map(|structure| structure.points);
     Ok(points.into_iter().flatten().collect())
+}
+
+/// The walls of which a resolved case keeps distributions during the run.
+///
+/// # Errors
+/// As [`gas_of`].
+pub fn walls_with_series_of(resolved: &str) -> Result<Vec<String>, String> {
+    let surfaces = raw::from_toml(resolved)?.output.surfaces.filter(|surfaces| surfaces.every.is_some());
+    Ok(surfaces.map_or_else(Vec::new, |surfaces| surfaces.walls))
+}
+
+/// The start of the run of a resolved case.
+///
+/// # Errors
+/// As [`gas_of`].
+pub fn start_of(resolved: &str) -> Result<f64, String> {
+    Ok(raw::from_toml(resolved)?.time.start)
+}
+
+/// The coordinates of the rigid bodies of a resolved case, body after body.
+///
+/// # Errors
+/// As [`gas_of`].
+pub fn freedoms_of(resolved: &str) -> Result<Vec<Vec<Freedom>>, String> {
+    fn of<const D: usize>(bodies: &[RigidBody<D>]) -> Vec<Vec<Freedom>> {
+        bodies.iter().map(|body| body.freedoms.clone()).collect()
+    }
+    let document = Document::parse(Path::new("case"), resolved.to_owned(), &[]).map_err(|error| error.to_string())?;
+    Ok(match AnyCase::check(&document).map_err(|error| error.to_string())? {
+        AnyCase::Plane(case) => of(&case.bodies),
+        AnyCase::Space(case) => of(&case.bodies),
+    })
 }
 
 /// A rigid body in words: its coordinates, its walls and what it turns about.

@@ -80,7 +80,12 @@ impl Checker<'_> {
     }
 
     /// Checks that the table `given` names only boundaries of the mesh.
-    fn known_boundaries<T>(&self, key: &Key, given: &BTreeMap<String, T>, boundaries: &[String]) -> Checked<()> {
+    pub(crate) fn known_boundaries<T>(
+        &self,
+        key: &Key,
+        given: &BTreeMap<String, T>,
+        boundaries: &[String],
+    ) -> Checked<()> {
         let accepted: Vec<String> = boundaries.iter().cloned().chain([OTHERS.to_owned()]).collect();
         let check = |name: &String| {
             let unknown =

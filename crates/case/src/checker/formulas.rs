@@ -78,6 +78,8 @@ impl Checker<'_> {
                 let controls = self.controls.iter().filter(|_| may_be_controlled);
                 let names = names.with_controls(controls.map(|control| (control.name.clone(), control.value.clone())));
                 let program = Program::compile(text, &names).map_err(|error| self.wrong_formula(key, error))?;
+                let used = self.controls.iter().filter(|control| program.is_controlled_by(&control.value));
+                self.used_controls.borrow_mut().extend(used.map(|control| control.name.clone()));
                 // Where a formula has no value, the place where one is needed is told.
                 let constant = program.as_constant().filter(|value| value.is_finite());
                 self.computable(key, "the formula", constant.unwrap_or(0.0))?;

@@ -18,6 +18,11 @@ impl ControlValue {
         f64::from_bits(self.0.load(Ordering::Relaxed))
     }
 
+    /// Whether this is the same number as `other`, now and later.
+    pub(super) fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+
     /// Sets the number, for all clones.
     pub fn set(&self, value: f64) {
         self.0.store(value.to_bits(), Ordering::Relaxed);

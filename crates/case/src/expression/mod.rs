@@ -16,6 +16,7 @@
 //! | `names` | the meaning of names: variables, constants, functions |
 //! | `parser` | tokens to a program, by the grammar above |
 //! | `program` | the program and its evaluation |
+//! | `finite` | formulas that have a finite value nowhere |
 //! | `control` | numbers that a run changes between slabs |
 //! | `table` | functions given by tables: cubic splines |
 //! | `error` | errors of a formula, and their places |
@@ -23,6 +24,7 @@
 mod calls;
 mod control;
 mod error;
+mod finite;
 mod lexer;
 mod names;
 mod parser;

@@ -80,6 +80,20 @@ impl Program {
         Program { instructions: vec![Control(value.clone()), Constant(factor), Multiply] }
     }
 
+    /// The formula + factor (value - start), with a number that the run changes.
+    pub(crate) fn plus_change(mut self, factor: f64, value: &ControlValue, start: f64) -> Self {
+        use Instruction::{Add, Constant, Control, Multiply, Subtract};
+        self.instructions.extend([Control(value.clone()), Constant(start), Subtract, Constant(factor), Multiply, Add]);
+        self
+    }
+
+    /// Whether the formula contains this number that the run changes.
+    pub(crate) fn is_controlled_by(&self, value: &ControlValue) -> bool {
+        self.instructions
+            .iter()
+            .any(|instruction| matches!(instruction, Instruction::Control(other) if other.is(value)))
+    }
+
     /// The formula + slopes . (x - centre).
     pub(crate) fn plus_linear(mut self, slopes: &[f64], centre: &[f64]) -> Self {
         use Instruction::{Add, Constant, Multiply, Subtract};
@@ -108,6 +122,12 @@ impl Program {
         self.instructions.contains(&Instruction::Variable(variable))
     }
 
+    /// Whether the value depends on time, or on a number that the run changes.
+    pub fn changes_in_time(&self) -> bool {
+        self.contains(Variable::Time)
+            || self.instructions.iter().any(|instruction| matches!(instruction, Instruction::Control(_)))
+    }
+
     /// Whether the value depends on a coordinate.
     pub fn depends_on_position(&self) -> bool {
         let is_coordinate =
@@ -129,7 +149,7 @@ impl Program {
 }
 
 /// The result of one instruction.
-fn step<T: Transcendental>(instruction: &Instruction, a: &[T], x: &[T], t: T) -> T {
+pub(super) fn step<T: Transcendental>(instruction: &Instruction, a: &[T], x: &[T], t: T) -> T {
     match instruction {
         Instruction::Constant(value) => T::from(*value),
         Instruction::Variable(Variable::Coordinate(axis)) => x.get(*axis).copied().unwrap_or(T::from(0.0)),

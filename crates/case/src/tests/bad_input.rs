@@ -29,6 +29,11 @@ const BAD: &[(&str, &str, &[&str])] = &[
         "left = \"slip\"",
         &["`flow.boundary.left = \"slip\"`", "unknown choice `slip`", "`slip_wall`"],
     ),
+    (
+        "left = \"slip_wall\"",
+        "left = { supersonic_outflow = {} }",
+        &["unknown choice `supersonic_outflow`", "did you mean `outflow`"],
+    ),
     ("left = \"slip_wall\"", "left = \"adiabatic_wall\"", &["settings in a table"]),
     (
         "left = \"slip_wall\"",

@@ -48,6 +48,23 @@ fn bar_alone() -> String {
     format!("{mesh}[structure]{structure}boundary.rest = \"free\"\n")
 }
 
+/// Walls that a structure moves wanted an entry, and the message listed motions that were refused then.
+#[test]
+fn walls_of_a_structure_need_no_motion() {
+    let others =
+        |motion: &str| BAR.replace("motion.boundary.others = \"fixed\"", &format!("motion.boundary = {motion}"));
+    let sides = ["left", "right", "bottom", "top"].map(|side| format!("{side} = \"fixed\"")).join(", ");
+    assert_accepted(&others(&format!("{{ {sides} }}")), &[&[]]);
+    let Ok(AnyCase::Plane(case)) = check_text(&others("{ others = \"slide\" }"), &[]) else { panic!("refused") };
+    let Some(Motion::Elastic { slides, .. }) = &case.motion else { panic!("elastic") };
+    let names = case.mesh.boundary_names();
+    let held: Vec<&str> =
+        names.iter().zip(slides).filter(|(_, held)| held.is_none()).map(|(name, _)| &**name).collect();
+    assert_eq!(held, ["bar"]);
+    let missing = "{ left = \"fixed\" }";
+    assert_refused(&others(missing), &[(&[], &["`motion.boundary`", "boundaries `right`, ", "have no motion"])]);
+}
+
 const EQUILIBRIUM: &str = "solver.steady.bodies=\"equilibrium\"";
 
 /// Checks that `text` with the options of each entry is refused, with the parts of the message.

@@ -18,6 +18,7 @@ mod motions;
 mod outflows;
 mod over_run;
 mod parallel;
+mod reference;
 mod rotation;
 mod tables;
 
@@ -181,7 +182,8 @@ fn the_case_in_full_is_a_case_without_defaults() {
     let twice = plane(&once.about.resolved, &[]);
     assert_eq!(once.about.resolved, twice.about.resolved);
     assert_eq!((once.flow, once.time), (twice.flow, twice.time));
-    assert!(twice.about.defaults.iter().all(|(key, _)| key == "flow.gas.gas_constant" || key == "flow.reference"));
+    let alone = ["flow.gas.gas_constant", "flow.reference", "flow.reference.length"];
+    assert!(twice.about.defaults.iter().all(|(key, _)| alone.contains(&key.as_str())));
 }
 
 #[test]

@@ -117,11 +117,9 @@ pub struct Reference {
     pub speed: f64,
     /// A pressure.
     pub pressure: f64,
-    /// A length, for the Reynolds number.
-    #[serde(default = "length")]
-    pub length: f64,
-}
-
-fn length() -> f64 {
-    1.0
+    /// A length: of coefficients, of the Reynolds number, and of scales of time, which are the length over the speed. Steady starts and
+    /// `time.adaptive` use these. Default: 1 for coefficients and the Reynolds number. Scales of time then use the largest extent of the largest body
+    /// in the mesh, or the second largest one if the body has ends in all three dimensions. Without a body they use the second largest extent of the
+    /// mesh.
+    pub length: Option<f64>,
 }

@@ -100,7 +100,8 @@ pub fn find_equilibrium<const D: usize, const M: usize>(
     (march.schedule.end, march.schedule.begins) = (f64::INFINITY, Vec::new());
     march.adapt(StepControl { tolerance: f64::INFINITY, smallest: SHORTEST * first, largest: LONGEST * first });
     // The jump is an L2 norm over the domain.
-    let mut largest_jump = SMALL * march.solver.system.mover().reference.volume().sqrt();
+    let system = &march.solver.system;
+    let mut largest_jump = SMALL * (system.mover().reference.volume() / system.volume_scale).sqrt();
     let (mut steps, mut iterations) = (0, 0);
     let (mut flow, mut bodies, mut rises, mut fastest) = (f64::INFINITY, 1.0, 0, 0.0_f64);
     for slabs in 1..=SLABS {

@@ -5,6 +5,7 @@ use super::file::{Element, File};
 use super::shape::Shape;
 use super::split::{Corners, CutEdges, Splitter};
 use super::{GmshError, Simplices, plane};
+use crate::periodic::joined_twice;
 use crate::topology::face_key;
 use crate::{Mesh, MeshError, PeriodicPair, Region, Side};
 use std::collections::{BTreeMap, BTreeSet};
@@ -158,13 +159,10 @@ fn pairs<const D: usize>(
 
 /// Every boundary is in one pair, and there once.
 fn check_once(periodic: &[(String, String)]) -> Result<(), GmshError> {
-    let mut seen = BTreeSet::new();
-    for (pair, (minus, plus)) in periodic.iter().enumerate() {
-        if let Some(name) = [minus, plus].into_iter().find(|name| !seen.insert(*name)) {
-            return Err(GmshError::JoinedTwice { pair, name: name.clone() });
-        }
+    match joined_twice(periodic.iter().map(|(minus, plus)| [minus, plus])) {
+        Some((pair, name)) => Err(GmshError::JoinedTwice { pair, name: name.clone() }),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// The error of a mesh, with the element of the file.

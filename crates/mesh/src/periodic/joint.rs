@@ -21,7 +21,8 @@ pub(super) struct Joint<'a, const D: usize> {
     mesh: &'a Mesh<D>,
     names: [&'a str; 2],
     translation: [f64; D],
-    tolerances: Tolerances,
+    /// Of each face of both boundaries.
+    tolerances: BTreeMap<Side, FaceTolerance>,
     /// The positions of vertices, after translation.
     places: BTreeMap<Vertex, Place<D>>,
     /// Numbers of vertices, the same for those that coincide.
@@ -33,7 +34,9 @@ pub(super) struct Joint<'a, const D: usize> {
 impl<'a, const D: usize> Joint<'a, D> {
     pub(super) fn new(mesh: &'a Mesh<D>, boundaries: &'a [(String, Vec<Side>)], pair: &PeriodicPair<D>) -> Self {
         let ((minus, minus_sides), (plus, plus_sides)) = (&boundaries[pair.minus], &boundaries[pair.plus]);
-        let (names, translation, tolerances) = ([&minus[..], &plus[..]], pair.translation, Tolerances::new(mesh));
+        let (names, translation, of_mesh) = ([&minus[..], &plus[..]], pair.translation, Tolerances::new(mesh));
+        let tolerance = |side: &Side| (*side, of_mesh.of_face(mesh.order, &mesh.face_positions(*side)));
+        let tolerances = minus_sides.iter().chain(plus_sides).map(tolerance).collect();
         let (places, classes, free) = Default::default();
         let mut joint = Joint { mesh, names, translation, tolerances, places, classes, free };
         joint.add_places(Part::Minus, minus_sides);
@@ -49,7 +52,7 @@ impl<'a, const D: usize> Joint<'a, D> {
     /// The vertices of `sides`, each with the least tolerance of its faces.
     fn add_places(&mut self, part: Part, sides: &[Side]) {
         for &side in sides {
-            let tolerance = self.tolerance(side).place;
+            let tolerance = self.tolerances[&side].place;
             let positions = self.mesh.face_corner_positions(side);
             for (vertex, mut position) in self.mesh.face_corners(side).into_iter().zip(positions) {
                 if part == Part::Minus {
@@ -59,10 +62,6 @@ impl<'a, const D: usize> Joint<'a, D> {
                 place.tolerance = place.tolerance.min(tolerance);
             }
         }
-    }
-
-    fn tolerance(&self, side: Side) -> FaceTolerance {
-        self.tolerances.of_face(self.mesh.order, &self.mesh.face_positions(side))
     }
 
     /// The classes of the corners of `side`, in the order of its lattice.
@@ -75,17 +74,18 @@ impl<'a, const D: usize> Joint<'a, D> {
         let corners = self.corners(Part::Plus, plus);
         let key = face_key(corners.clone());
         let candidates = self.free.get(&key).cloned().unwrap_or_default();
-        let mut refusal = self.unmatched(plus);
+        let mut refusal = None;
         for (place, &minus) in candidates.iter().enumerate() {
             match self.joined(minus, plus, &corners) {
                 Ok(facet) => {
                     self.free.entry(key).or_default().remove(place);
                     return Ok(facet);
                 }
-                Err(error) => refusal = error,
+                Err(error) => refusal = Some(error),
             }
         }
-        Err(refusal)
+        // Only now: it searches all vertices of the other side.
+        Err(refusal.unwrap_or_else(|| self.unmatched(plus)))
     }
 
     /// The facet of two faces whose corners coincide. Where corners of one face coincide, it may be turned in several ways.
@@ -106,7 +106,7 @@ impl<'a, const D: usize> Joint<'a, D> {
 
     /// Whether the nodes of both sides coincide, and the sides have the same shape.
     fn check_nodes(&self, facet: &InteriorFacet) -> Result<(), Apart> {
-        let tolerance = self.tolerance(facet.minus).smaller(self.tolerance(facet.plus));
+        let tolerance = self.tolerances[&facet.minus].smaller(self.tolerances[&facet.plus]);
         check_gap(self.mesh, facet, &self.translation, tolerance.place)?;
         let first = self.mesh.face_positions(facet.minus)[0];
         let twin = self.mesh.face_positions(facet.plus)[facet.orientation.plus_index(D - 1, self.mesh.order, 0)];

@@ -144,7 +144,10 @@ def boundary_layer(
 def spectrum(
     times: ArrayLike, values: ArrayLike, segments: int = 1
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Frequencies and the power spectral density of a signal by Welch's method; its integral is the variance."""
+    """Frequencies and the power spectral density of a signal by Welch's method; its integral is the variance.
+
+    Values at uneven times are interpolated by cubics. A warning tells of steps that are more than twice the mean one.
+    """
 
 def main() -> None:
     """The command stsolve; ends the process with its exit code."""

@@ -1,5 +1,7 @@
 """Integral quantities of boundary layers, and spectra."""
 
+import warnings
+
 import numpy as np
 
 POINTS = 64
@@ -8,8 +10,9 @@ POINTS = 64
 def spectrum(times, values, segments=1):
     """The power spectral density of a signal by Welch's method, as a pair of arrays: frequencies, densities.
 
-    Uneven times are interpolated linearly. Segments overlap by a half. Each loses its mean and is multiplied by a Hann window.
-    The integral over the frequency is the variance.
+    Values at uneven times are interpolated by cubics. Where a step is more than twice the mean step, a warning says so: what is faster than two
+    such steps is lost. Segments overlap by a half. Each loses its mean and is multiplied by a Hann window. The integral over the frequency is the
+    variance.
     """
     times, values = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
     if times.ndim != 1 or times.shape != values.shape or len(times) < 8 or not (np.diff(times) > 0).all():
@@ -18,8 +21,7 @@ def spectrum(times, values, segments=1):
         raise ValueError("a spectrum needs finite values; those of a probe are NaN while its point is outside of the mesh")
     if not 1 <= segments <= len(times) // 8:
         raise ValueError(f"segments = {segments} is not in 1 to {len(times) // 8}: a segment has 8 values or more")
-    even = np.linspace(times[0], times[-1], len(times))
-    signal, dt = np.interp(even, times, values), even[1] - even[0]
+    signal, dt = _at_even_times(times, values)
     length = 2 * (len(signal) // (segments + 1)) if segments > 1 else len(signal)
     window = np.hanning(length + 1)[:-1]
     starts = [number * (length // 2) for number in range(segments)]
@@ -31,12 +33,34 @@ def spectrum(times, values, segments=1):
     return np.fft.rfftfreq(length, dt), density
 
 
+def _at_even_times(times, values):
+    """As many values at even times, and the step. Each is on the cubic through the four points around it."""
+    even = np.linspace(times[0], times[-1], len(times))
+    step, longest = even[1] - even[0], np.diff(times).max()
+    if np.abs(even - times).max() <= 1e-9 * step:
+        return values, step
+    if longest > 2 * step:
+        warnings.warn(
+            f"the longest step, {longest:g}, is {longest / step:.1f} times the mean one: variance at frequencies above {0.5 / longest:g} may be missing; "
+            "leave out the rows with long steps",
+            stacklevel=3,
+        )
+    first = np.clip(np.searchsorted(times, even, side="right") - 2, 0, len(times) - 4)
+    around = first[:, None] + np.arange(4)
+    t, signal = times[around], np.zeros(len(times))
+    for i in range(4):
+        others = [j for j in range(4) if j != i]
+        weight = np.prod((even[:, None] - t[:, others]) / (t[:, i, None] - t[:, others]), axis=1)
+        signal += weight * values[around[:, i]]
+    return signal, step
+
+
 def boundary_layer(result, wall, thickness, number=-1):
     """Integral quantities of the boundary layer at the points of `result.surface(wall, number)`, a dictionary of arrays.
 
     From each point a line runs into the gas along the normal of the wall, up to the distance `thickness`. Let u be the velocity relative
-    to the wall, along the wall, in the direction of the edge. The edge n_e is where its size is largest, u_e and rho_e are the values
-    there:
+    to the wall, along the wall, in the direction of the edge. The edge n_e is where its size is largest, at the end of the line at most;
+    u_e and rho_e are the values there:
 
         displacement_thickness   int_0^n_e (1 - rho u / (rho_e u_e)) dn
         momentum_thickness       int_0^n_e rho u / (rho_e u_e) (1 - u / u_e) dn
@@ -54,7 +78,8 @@ def boundary_layer(result, wall, thickness, number=-1):
     x = np.stack([surface[axis] for axis in axes], axis=-1)
     normal = -np.stack([surface[f"normal_{axis}"] for axis in axes], axis=-1)
     nodes, weights = np.polynomial.legendre.leggauss(POINTS)
-    n, weights = 0.5 * thickness * (1 + nodes), 0.5 * thickness * weights
+    # The velocity may still rise at the end of the line, which no node of the rule reaches.
+    n, weights = np.append(0.5 * thickness * (1 + nodes), thickness), np.append(0.5 * thickness * weights, 0.0)
     line = x[:, None, :] + n[None, :, None] * normal[:, None, :]
     # Linear from the first two nodes to the wall.
     to_wall = np.array([n[1], -n[0]]) / (n[1] - n[0]) * _slides(result, surface)[:, None]
@@ -100,7 +125,8 @@ def _integrals(density, u, n, weights):
     rho_e, u_e = density[rows, edge, None], u[rows, edge, None]
     inside = np.arange(len(n))[None, :] <= edge[:, None]
     flux, ratio = np.where(inside, density * u / (rho_e * u_e), 1.0), np.where(inside, u / u_e, 1.0)
-    lost = ~np.isfinite(u).all(axis=1)
+    # By rounding, the end of the line may lie outside of the mesh.
+    lost = ~np.isfinite(u[:, :-1]).all(axis=1)
     integral = lambda integrand: np.where(lost, np.nan, (np.where(inside, integrand, 0.0) * weights).sum(axis=1))
     displacement, momentum = integral(1 - flux), integral(flux * (1 - ratio))
     return {

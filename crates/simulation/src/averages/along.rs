@@ -39,7 +39,7 @@ impl<'a> AlongFiles<'a> {
         if wanted.along.is_empty() || sums.is_empty() {
             return None;
         }
-        let (moments, nodes) = (Moments::new::<D>(&wanted.fields), order.pow(D as u32));
+        let (moments, nodes) = (Moments::new::<D>(&wanted.fields).along(&wanted.along), order.pow(D as u32));
         let section = mesh.cross_section(order, &wanted.along)?;
         let sums = (0..mesh.n_cells()).map(|cell| sums.sums_of_cell(&moments, cell, nodes, None)).collect();
         Some(AlongFiles { moments, sums, section, nodes })

@@ -3,13 +3,16 @@
 //! An average is a sum of products of means and covariances. Those of the kinetic energy of fluctuations, k = <v_i' v_i'> / 2, are
 //!
 //! ```text
-//! production          = -<v_i' v_j'> <d_j v_i>                                                                     (budget)
+//! production          = -<v_i' v_j'> d_j <v_i>                                                                     (budget)
 //! dissipation         = ( <tau_ij d_j v_i> - <tau_ij> <d_j v_i> ) / <rho>
 //! pressure_dilatation = <p' (div v)'> / <rho>
 //! turbulent_flux_j    = <v_i' v_i' v_j'> / 2
 //! pressure_flux_j     = <p' v_j'> / <rho>
 //! viscous_flux_j      = -<tau_ij' v_i'> / <rho>
 //! ```
+//!
+//! In time d_j <v_i> = <d_j v_i>. An average along an axis does not depend on the place there: its derivative along that axis is zero, whereas
+//! <d_j v_i> is the difference of both ends by their distance, see [`Moments::along`].
 //!
 //! With a uniform density `d_t k + <v> . grad k` = production + pressure_dilatation - dissipation - the divergence of the three fluxes.
 //! S. B. Pope, Turbulent Flows (2000), equation 5.164, has it for an incompressible fluid.
@@ -148,12 +151,28 @@ pub struct Moments {
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
+const PRODUCTION: &str = "production";
+
 impl Moments {
     /// Those of the averages `wanted`, in `D` dimensions.
     pub fn new<const D: usize>(wanted: &[Average]) -> Self {
         let mut moments = Moments::default();
         wanted.iter().for_each(|average| moments.add_average::<D>(*average));
         moments
+    }
+
+    /// The same sums for averages along `axes`, too: without the derivatives of means along these, which are zero.
+    pub fn along(mut self, axes: &[usize]) -> Self {
+        let quantities = &self.quantities;
+        let is_along = |factor: &Factor| match factor {
+            Factor::Mean(number) => matches!(quantities[*number], Gradient(j, _) if axes.contains(&j)),
+            Factor::Covariance(..) => false,
+        };
+        let production = self.averages.iter_mut().filter(|average| average.name == PRODUCTION);
+        production.flat_map(|average| &mut average.terms).for_each(|term| {
+            term.products.retain(|(_, factors)| !factors.iter().any(is_along));
+        });
+        self
     }
 
     /// The number of sums.
@@ -203,7 +222,7 @@ impl Moments {
         let pressure = (0..D).map(|j| Term::one(self.covariance([Pressure, Velocity(j)])).over(density)).collect();
         let viscous = (0..D).map(|j| Term::sum(self.diffused::<D>(j)).over(density)).collect();
         self.averages.extend([
-            one("production", vec![production]),
+            one(PRODUCTION, vec![production]),
             one("dissipation", vec![dissipation]),
             one("pressure_dilatation", vec![dilatation]),
             one("turbulent_flux", turbulent),
@@ -212,7 +231,7 @@ impl Moments {
         ]);
     }
 
-    /// -<v_i' v_j'> <d_j v_i>
+    /// -<v_i' v_j'> d_j <v_i>
     fn produced(&mut self, i: usize, j: usize) -> Product {
         (-1.0, vec![self.covariance([Velocity(i), Velocity(j)]), self.mean(Gradient(j, i))])
     }
@@ -315,6 +334,7 @@ fn position_or_push<T: PartialEq>(list: &mut Vec<T>, entry: T) -> usize {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
 
     #[test]
@@ -337,6 +357,19 @@ mod tests {
         let names: Vec<&str> = moments.averages.iter().map(|average| &average.name[..]).collect();
         assert_eq!(names[..3], ["mean_velocity", "reynolds_stress_xx", "reynolds_stress_xy"]);
         assert_eq!(moments.averages[0].components(), 3);
+    }
+
+    /// Along an axis that is not periodic the difference of the mean velocities at both ends counted as a gradient of the mean.
+    #[test]
+    fn a_mean_along_an_axis_has_no_derivative_along_it() {
+        let moments = Moments::new::<2>(&[Average::KineticEnergyBudget]);
+        let along = moments.clone().along(&[0]);
+        assert_eq!((&along.quantities, along.len()), (&moments.quantities, moments.len()));
+        let [all, rest] = [&moments, &along].map(|moments| &moments.averages[0].terms[0].products);
+        assert_eq!([all.len(), rest.len()], [4, 2]);
+        let place = |j, i| Factor::Mean(moments.quantities.iter().position(|q| *q == Gradient(j, i)).unwrap());
+        assert!(rest.iter().zip([place(1, 0), place(1, 1)]).all(|((_, factors), mean)| factors.contains(&mean)));
+        assert_eq!(moments.averages[1..], along.averages[1..], "only the production has such a derivative");
     }
 
     /// A formula with such a name is refused.

@@ -2,6 +2,7 @@
 
 use super::{Call, Run};
 use crate::context::{RunContext, Stop};
+use crate::cuts::Reached;
 use crate::error::Failure;
 use crate::observer::Observer;
 use crate::occupied::{self, Beginning};
@@ -9,9 +10,9 @@ use crate::record::{MeshView, Recorder, Snapshot, StructureSnapshot};
 use crate::restart::Start;
 use crate::session::Session;
 use crate::statistics::RunStatistics;
-use crate::{checkpoint, controls, cuts, failure};
-use case::{Case, rounded_time};
-use output::{Series, SolverState};
+use crate::{checkpoint, controls, cuts, failure, surfaces};
+use case::{Case, rounded_time, surface_name};
+use output::{RESULT_FILE, ResultReader, Series, SolverState};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -20,29 +21,36 @@ pub(super) fn open_files<'a, const D: usize, const M: usize>(
     session: &Session<'_>,
     case: &'a Case<D>,
     mesh: &Arc<MeshView<D>>,
-    Call { destination, observer, origin, .. }: Call<'_>,
+    Call { destination, observer, origin, .. }: &Call<'_>,
 ) -> Result<(Recorder<'a, D, M>, Option<SolverState>), Failure> {
     // Checked once more, now that no other run can write there.
     let is_mesh_alone = case.flow.is_none() && case.structure.is_none();
     let beginning = Beginning { source: case.restart.as_deref(), case: &case.about.resolved, is_mesh_alone };
-    occupied::check(destination, observer, beginning)?;
-    let state = origin.map(|start| &start.state);
+    occupied::check(destination, *observer, beginning)?;
+    let state = origin.as_ref().map(|start| &start.state);
     let opened = Recorder::<D, M>::start(session, case, mesh, destination.is_resumed(), state)?;
     origin.iter().flat_map(|start| &start.warnings).for_each(|warning| tracing::warn!("{warning}"));
     failure::clear(session.directory.path())?;
     Ok(opened)
 }
 
-/// Cuts files of lines and slices behind the state of `run`, or empties them if it has not begun.
-pub(super) fn cut_files<const D: usize>(
+/// Cuts files of lines and slices behind the state of `run`, or empties them if it has not begun. Fields and distributions of a former end
+/// go, too.
+pub(super) fn cut_files<const D: usize, const M: usize>(
     session: &Session<'_>,
-    case: &Case<D>,
+    recorder: &mut Recorder<D, M>,
     run: &impl Run,
     has_begun: bool,
 ) -> Result<(), Failure> {
+    let reached = has_begun.then(|| reached(run));
+    reached.map_or(Ok(()), |reached| recorder.drop_former_end(reached))?;
+    Ok(cuts::begin(recorder.case(), session.directory.path(), reached)?)
+}
+
+/// Where `run` stands.
+fn reached(run: &impl Run) -> Reached {
     let coupled::State { time, slab: slabs, .. } = *run.state();
-    let reached = cuts::Reached { time, slabs, is_end: run.is_done() };
-    Ok(cuts::begin(case, session.directory.path(), has_begun.then_some(reached))?)
+    Reached { time, slabs, is_end: run.is_done() }
 }
 
 /// Warns if a resumed run is at a `time` after its end.
@@ -50,6 +58,16 @@ pub(super) fn warn_of_end<const D: usize>(case: &Case<D>, time: f64, observer: &
     if time > case.time.end + 1e-9 * case.time.step {
         let (time, end) = (rounded_time(time), case.time.end);
         observer.say(&format!("warning: the checkpoint is at t = {time}, after the end {end}: nothing is left to do"));
+    }
+}
+
+/// Says that the averages of `case` begin after its end, if they do.
+pub(super) fn warn_of_averages<const D: usize>(case: &Case<D>, observer: &dyn Observer) {
+    if let Some(averages) = case.averages.as_ref().filter(|averages| averages.from >= case.time.end) {
+        observer.say(&format!(
+            "warning: the run has no averages: they begin at t = {}, and its end is {} (`output.averages.from`)",
+            averages.from, case.time.end
+        ));
     }
 }
 
@@ -94,19 +112,54 @@ pub(super) fn append_surfaces<const D: usize, const M: usize>(
     run.surfaces().iter().try_for_each(|(array, values)| recorder.append_to_series(array, time, values))
 }
 
-/// Begins the series of distributions along walls with those of the `earlier` run, where they have the same points.
+/// Continues the series of distributions along walls. A run that takes over the result of the `origin` begins with its series, where they
+/// have the same points; without, it goes on in its own file. The series of a wall of which there was none begins with the present state.
 pub(super) fn continue_surfaces<const D: usize, const M: usize>(
     run: &impl Run,
     recorder: &mut Recorder<D, M>,
-    earlier: &[Series],
+    session: &Session<'_>,
+    origin: Option<&Start>,
 ) -> Result<(), Failure> {
-    for (array, _) in run.surfaces() {
-        let Some(series) = earlier.iter().find(|series| series.array == array) else { continue };
-        let snapshots = series.times.iter().zip(series.values.chunks_exact(array.len()));
-        let mut reached = snapshots.filter(|(time, _)| **time <= run.state().time);
-        reached.try_for_each(|(time, values)| recorder.append_to_series(&array, *time, values))?;
+    let Some(every) = recorder.case().output.surfaces_every else { return Ok(()) };
+    let (case, time) = (recorder.case(), run.state().time);
+    let added = match origin {
+        // The steady flow is searched anew.
+        Some(start) if start.searches_anew => Vec::new(),
+        Some(start) => start.added_walls.clone(),
+        None => added_on_resume(case, session, time)?,
+    };
+    let (earlier, last_kept) = (origin.map_or(&[][..], |start| &start.surfaces[..]), reached(run).last_kept(every));
+    let is_added = |name: &str| {
+        let is_other = earlier.iter().any(|series| series.array.name == name);
+        is_other || added.iter().any(|wall| surface_name(wall) == name)
+    };
+    for (array, values) in run.surfaces() {
+        match earlier.iter().find(|series| series.array == array) {
+            Some(series) => take_series(recorder, series, last_kept)?,
+            None if is_added(&array.name) => recorder.append_to_series(&array, time, &values)?,
+            None => {}
+        }
     }
     Ok(())
+}
+
+/// Takes over what the `series` has up to the time `last`.
+fn take_series<const D: usize, const M: usize>(
+    recorder: &mut Recorder<D, M>,
+    series: &Series,
+    last: f64,
+) -> Result<(), Failure> {
+    let snapshots = series.times.iter().zip(series.values.chunks_exact(series.array.len()));
+    let mut kept = snapshots.filter(|(time, _)| **time <= last);
+    kept.try_for_each(|(time, values)| recorder.append_to_series(&series.array, *time, values))
+}
+
+/// The walls whose distributions begin at the present `time` of a resumed run; warns of their means.
+fn added_on_resume<const D: usize>(case: &Case<D>, session: &Session<'_>, time: f64) -> Result<Vec<String>, Failure> {
+    let before = ResultReader::open(&session.directory.path().join(RESULT_FILE))?.metadata.case_text;
+    let added = surfaces::added(case, &before);
+    surfaces::late_means(case, &added, time).iter().for_each(|warning| tracing::warn!("{warning}"));
+    Ok(added)
 }
 
 /// Restores the run from a checkpoint, its own or that of the run that it continues.

@@ -1,9 +1,8 @@
 //! How a run goes on in a more robust way, see [`crate::fallback`].
 
 use super::Run;
-use super::begin::{restore, walls};
+use super::begin::{cut_files, restore, walls};
 use crate::context::{RunContext, Stop};
-use crate::cuts::{self, Reached};
 use crate::error::Failure;
 use crate::fallback;
 use crate::record::Recorder;
@@ -36,12 +35,11 @@ pub(super) fn fall_back<const D: usize, const M: usize>(
     let stored = fallback::in_split_form(stored, (rejected - before.min(rejected)) as usize);
     context.statistics = restore(run, Some(&stored), case)?;
     run.begin_balances(&mut context.statistics);
-    let coupled::State { time, slab: slabs, .. } = *run.state();
-    cuts::begin(case, session.directory.path(), Some(Reached { time, slabs, is_end: false }))?;
-    let (time, cause) = (rounded_time(time), coupled::chain(error.as_ref()));
+    cut_files(session, recorder, run, true)?;
+    let (time, cause) = (rounded_time(run.state().time), coupled::chain(error.as_ref()));
+    let reason = finding.too_few_steps().unwrap_or_else(|| "the mesh does not resolve the flow".to_owned());
     session.observer.say(&format!(
-        "warning: {cause}; the mesh does not resolve the flow, so the run goes on from t = {time} in a split form, with the nodes as points of \
-         quadrature (`solver.fallback`)"
+        "warning: {cause}; {reason}, so the run goes on from t = {time} in a split form, with the nodes as points of quadrature (`solver.fallback`)"
     ));
     Ok(Stop::Failed(error, Some(Box::new(finding))))
 }

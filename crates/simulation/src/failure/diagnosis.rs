@@ -27,6 +27,9 @@ pub struct Cause {
     pub remedy: String,
 }
 
+/// The name of the cause that Newton's method was allowed too few steps.
+pub const NEWTON_STEPS: &str = "newton_steps";
+
 /// The largest number of causes that are named.
 const NAMED: usize = 3;
 

@@ -1,6 +1,7 @@
 //! The findings about a failure.
 
 use super::data::FailureData;
+use super::diagnosis::{Cause, NEWTON_STEPS, causes};
 use super::grid::Grid;
 use super::picture::Painting;
 use mesh::Mesh;
@@ -15,6 +16,14 @@ pub struct Finding {
     pub residuals: Vec<(&'static str, f64)>,
     /// The worst cell, if one stands out.
     pub cell: Option<WorstCell>,
+}
+
+impl Finding {
+    /// What to say if the likeliest cause is that Newton's method was allowed too few steps.
+    pub fn too_few_steps(&self) -> Option<String> {
+        let Cause { name, what, remedy, .. } = causes(&self.data).into_iter().next()?;
+        (name == NEWTON_STEPS).then(|| format!("{what} ({remedy})"))
+    }
 }
 
 /// The worst cell.

@@ -56,36 +56,47 @@ struct Zero {
     position: [f64; 2],
 }
 
-/// Writes `surface_NAME_mean.csv` and `surface_NAME_separation.csv` of the `series` of a wall over the times in `interval`, if there are any.
-/// In the plane the wall consists of the `curves`. In three dimensions only for walls that are extruded curves.
+/// A wall whose means are written.
+pub struct MeansOf<'a> {
+    /// Its distributions.
+    pub series: &'a Series,
+    /// In the plane, the curves of which it consists.
+    pub curves: &'a [Curve],
+    /// Whether the gas slips along it: the friction is round-off, and nothing separates.
+    pub slips: bool,
+}
+
+/// Writes `surface_NAME_mean.csv` and `surface_NAME_separation.csv` of a wall over the times in `interval`; in three dimensions only for walls
+/// that are extruded curves. Returns whether the interval meets the time between the first and the last distribution: otherwise there is no mean.
 ///
 /// # Errors
 /// A file that cannot be written.
 pub fn write_means(
     directory: &Path,
     dimension: usize,
-    series: &Series,
+    wall: &MeansOf<'_>,
     interval: [f64; 2],
-    curves: &[Curve],
-) -> Result<(), OutputError> {
+) -> Result<bool, OutputError> {
+    let MeansOf { series, curves, slips } = *wall;
     let width = columns(dimension).iter().map(|column| column.components).sum();
     let values: Vec<&[f64]> = series.values.chunks_exact(series.array.len()).collect();
-    if !series.times.iter().any(|time| (interval[0]..=interval[1]).contains(time)) {
-        return Ok(());
-    }
-    let Some(groups) = values.first().and_then(|values| groups(dimension, values, width)) else { return Ok(()) };
-    let snapshots = Snapshots::new(dimension, &values, TimeWeights::new(&series.times, interval));
+    let Some(weights) = TimeWeights::new(&series.times, interval) else { return Ok(false) };
+    let Some(groups) = values.first().and_then(|values| groups(dimension, values, width)) else { return Ok(true) };
+    let snapshots = Snapshots::new(dimension, &values, weights);
     let rows: Vec<Row> = groups.iter().map(|group| snapshots.row(group)).collect();
     let file = |end: &str| directory.join(format!("{}_{end}.csv", series.array.name));
     let is_closed = is_closed(&values);
     let place = if is_closed { "s" } else { "arc_length" };
     write_atomically(&file("mean"), table(place, &rows).as_bytes())?;
+    if slips {
+        return Ok(true);
+    }
     let parts = match dimension {
         2 => parts(&rows, curves, series.array.axes[1].length, is_closed),
         _ => vec![Part::extruded(&rows)],
     };
     let zeros: Vec<Zero> = parts.iter().flat_map(Part::zeros).collect();
-    write_atomically(&file("separation"), list(place, &zeros).as_bytes())
+    write_atomically(&file("separation"), list(place, &zeros).as_bytes()).map(|()| true)
 }
 
 /// The rows of a time that are the same point of the cross-section, point after point.
@@ -113,19 +124,26 @@ struct TimeWeights {
 }
 
 impl TimeWeights {
-    fn new(times: &[f64], interval: [f64; 2]) -> Self {
-        let inside: Vec<f64> = times.iter().copied().filter(|t| (interval[0]..=interval[1]).contains(t)).collect();
-        let (first, last) = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
+    /// None if the interval has no time in common with that from the first to the last of the `times`.
+    fn new(times: &[f64], interval: [f64; 2]) -> Option<Self> {
+        let (first, last) = (*times.first()?, *times.last()?);
         let (from, to) = (interval[0].max(first), interval[1].min(last));
+        if to < from {
+            return None;
+        }
         let at = |part: usize| from + (to - from) * part as f64 / PARTS as f64;
         let of_parts = || (0..PARTS).map(|part| hat_integrals(times, [at(part), at(part + 1)])).collect();
+        let inside = times.iter().filter(|time| (from..=to).contains(*time)).count();
         // A single time has no length.
-        let whole = match inside[..] {
-            [alone] => times.iter().map(|&time| f64::from(u8::from(time == alone))).collect(),
-            _ => hat_integrals(times, [from, to]),
-        };
-        TimeWeights { whole, parts: (inside.len() >= PARTS).then(of_parts) }
+        let whole = if to > from { hat_integrals(times, [from, to]) } else { alone(times, from) };
+        Some(TimeWeights { whole, parts: (to > from && inside >= PARTS).then(of_parts) })
     }
+}
+
+/// 1 for the first of the `times` that is `time`, 0 for the others.
+fn alone(times: &[f64], time: f64) -> Vec<f64> {
+    let place = times.iter().position(|other| *other == time);
+    (0..times.len()).map(|k| f64::from(u8::from(Some(k) == place))).collect()
 }
 
 /// The integral of h_k from `from` to `to`, for every one of the `times`.
@@ -360,7 +378,8 @@ mod tests {
         for dimension in [2, 3] {
             let directory = tempfile::tempdir().unwrap();
             // Whole periods.
-            write_means(directory.path(), dimension, &circle(dimension), [1.0, 4.0], &[ring(40)]).unwrap();
+            let wall = MeansOf { series: &circle(dimension), curves: &[ring(40)], slips: false };
+            assert!(write_means(directory.path(), dimension, &wall, [1.0, 4.0]).unwrap());
             let mean = lines(directory.path(), "surface_wall_mean.csv");
             assert_eq!(mean.len(), 41);
             assert!(mean[0].starts_with("s,x,y,pressure,pressure_coefficient,skin_friction,"), "{}", mean[0]);
@@ -421,7 +440,7 @@ mod tests {
     fn snapshots_count_by_the_time_between_them() {
         let times = [0.0, 0.1, 0.3, 1.0, 1.1, 2.0, 2.1, 2.2, 2.3, 4.0];
         for interval in [[0.0, 4.0], [0.05, 3.0], [-1.0, 9.0]] {
-            let weights = TimeWeights::new(&times, interval);
+            let weights = TimeWeights::new(&times, interval).unwrap();
             let (from, to) = (interval[0].max(0.0), interval[1].min(4.0));
             let mean = |weights: &[f64]| {
                 let sum: f64 = weights.iter().zip(times).map(|(weight, time)| weight * (1.0 + 2.0 * time)).sum();
@@ -432,8 +451,36 @@ mod tests {
             let parts: Vec<f64> = weights.parts.unwrap().iter().map(|weights| mean(weights)).collect();
             assert!((parts.iter().sum::<f64>() / 8.0 - (1.0 + from + to)).abs() < 1e-14, "{parts:?}");
         }
-        let alone = TimeWeights::new(&times, [0.9, 1.05]);
-        assert!(alone.parts.is_none() && alone.whole == [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    }
+
+    /// One distribution inside the interval was called the mean over it, and with none inside there was no mean.
+    #[test]
+    fn an_interval_between_distributions_has_its_mean() {
+        let times = [0.7, 1.4, 2.1, 2.8];
+        let mean = |interval: [f64; 2]| {
+            let weights = TimeWeights::new(&times, interval)?;
+            assert!(weights.parts.is_none());
+            let sum: f64 = weights.whole.iter().zip(times).map(|(weight, time)| weight * (1.0 + time)).sum();
+            Some(sum / weights.whole.iter().sum::<f64>())
+        };
+        for (interval, expected) in
+            [([1.0, 1.9], 2.45), ([1.0, 1.3], 2.15), ([0.0, 1.0], 1.85), ([2.8, 9.0], 3.8), ([0.0, 0.7], 1.7)]
+        {
+            assert!((mean(interval).unwrap() - expected).abs() < 1e-14, "{interval:?}");
+        }
+        assert_eq!([mean([0.0, 0.6]), mean([2.9, 9.0])], [None, None]);
+        assert_eq!(TimeWeights::new(&[1.0, 1.0], [0.0, 2.0]).unwrap().whole, [1.0, 0.0]);
+        assert!(TimeWeights::new(&[], [0.0, 2.0]).is_none());
+    }
+
+    /// A wall along which the gas slips had separations where its friction of 1e-33 changes its sign.
+    #[test]
+    fn nothing_separates_where_the_gas_slips() {
+        let directory = tempfile::tempdir().unwrap();
+        let wall = MeansOf { series: &circle(2), curves: &[ring(40)], slips: true };
+        assert!(write_means(directory.path(), 2, &wall, [1.0, 4.0]).unwrap());
+        assert_eq!(lines(directory.path(), "surface_wall_mean.csv").len(), 41);
+        assert!(!directory.path().join("surface_wall_separation.csv").exists());
     }
 
     #[test]

@@ -7,17 +7,20 @@
 //! | `curve` | the facets of a wall in the plane, one after the other |
 //! | `columns` | the numbers of a point, and their names |
 //! | `files` | the files of a wall |
+//! | `added` | walls whose distributions begin later than the run |
 //! | `mean` | means over time and span, and where the flow separates |
 
+mod added;
 mod columns;
 mod curve;
 mod distribution;
 mod files;
 mod mean;
 
+pub use added::{added, late_means};
 pub use case::surface_name;
 pub use columns::{Column, columns};
 pub use curve::curves_of;
 pub use distribution::{SurfaceFlow, physical};
 pub use files::write;
-pub use mean::write_means;
+pub use mean::{MeansOf, write_means};

@@ -1,7 +1,7 @@
 //! `stsolve compare`
 
 use super::print;
-use super::table::Table;
+use super::table::{Table, apart};
 use case::Difference;
 use output::{HISTORY_FILE, HistoryTable, RESULT_FILE, ResultReader, SUMMARY_FILE};
 use serde_json::{Map, Value, json};
@@ -176,8 +176,8 @@ fn named(rows: &[Named]) -> Map<String, Value> {
 fn table(title: &str, rows: &[Named], measure: impl Fn(&[f64; 2]) -> f64) -> Table {
     let (mut table, mut rows) = (Table::new(title), rows.to_vec());
     rows.sort_by(|a, b| measure(&b.1).total_cmp(&measure(&a.1)));
-    for (name, [first, second]) in rows {
-        table.row(&name, vec![first, second], "");
+    for (name, values) in rows {
+        table.row(&name, apart(values).join(", "), "");
     }
     table
 }

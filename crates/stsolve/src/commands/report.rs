@@ -5,6 +5,8 @@ use report::{ReportError, Scenario};
 use simulation::Failure;
 use std::path::{Path, PathBuf};
 
+const ONE_RUN: &str = "`--q-level` is for the page of one run: the page of several has no pictures; give one directory";
+
 /// Writes the page of the run in a directory, with surfaces of the Q criterion at a level if it is given, or that of the runs in several
 /// `directories`, and prints its path.
 ///
@@ -13,6 +15,7 @@ use std::path::{Path, PathBuf};
 pub fn report(directories: &[PathBuf], q_level: Option<f64>) -> Result<(), Failure> {
     let page = match directories {
         [directory] => report::write_at(directory, q_level),
+        _ if q_level.is_some() => return Err(Failure::bad_input(anyhow::anyhow!(ONE_RUN))),
         several => report::write_comparison(several),
     };
     let page = page.map_err(failure)?;
@@ -43,6 +46,8 @@ fn movie(directory: &Path, scenario: &Scenario, last_step: bool) -> Result<(), F
 fn failure(error: ReportError) -> Failure {
     match error {
         ReportError::Output(error) => error.into(),
-        error @ (ReportError::NoRun { .. } | ReportError::NoPicture(_)) => Failure::bad_input(error),
+        error @ (ReportError::NoRun { .. } | ReportError::Plane { .. } | ReportError::NoPicture(_)) => {
+            Failure::bad_input(error)
+        }
     }
 }

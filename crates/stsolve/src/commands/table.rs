@@ -55,10 +55,22 @@ fn plain(value: &Value) -> String {
 
 /// Six digits, with an exponent if that is shorter.
 fn short(value: f64) -> String {
+    with_digits(value, 6)
+}
+
+/// Two numbers with six digits, or with as many as tell them apart.
+pub(super) fn apart([a, b]: [f64; 2]) -> [String; 2] {
+    let both = |digits| [a, b].map(|value| with_digits(value, digits));
+    (6..17).map(both).find(|[a, b]| a != b).unwrap_or_else(|| both(17))
+}
+
+/// So many digits, with an exponent if that is shorter.
+fn with_digits(value: f64, digits: usize) -> String {
+    let decimals = digits - 1;
     if value != 0.0 && !(1e-3..1e6).contains(&value.abs()) {
-        return format!("{value:.5e}");
+        return format!("{value:.decimals$e}");
     }
-    let digits = 5 - value.abs().max(1.0).log10().floor() as usize;
+    let digits = decimals - value.abs().max(1.0).log10().floor() as usize;
     let text = format!("{value:.digits$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
@@ -80,6 +92,16 @@ mod tests {
         ] {
             assert_eq!(short(value), text);
         }
+    }
+
+    /// `compare` printed figures that differ with the same digits.
+    #[test]
+    fn numbers_that_differ_are_told_apart() {
+        assert_eq!(apart([1.0, 2.5]), ["1", "2.5"]);
+        assert_eq!(apart([-30.769_312, -30.769_298]), ["-30.76931", "-30.7693"]);
+        assert_eq!(apart([1e-7, 1.000_000_1e-7]), ["1.0000000e-7", "1.0000001e-7"]);
+        assert_eq!(apart([0.1, 0.1 + 1e-15]), ["0.1", "0.100000000000001"]);
+        assert_eq!(apart([0.5, 0.5]), ["0.5", "0.5"]);
     }
 
     #[test]

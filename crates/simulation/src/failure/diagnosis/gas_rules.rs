@@ -27,7 +27,7 @@ pub fn opening(data: &FailureData) -> Option<Cause> {
     // well: it explains a failure only where there is much of it now.
     let weighed = |opening: &OpeningMisuse| match opening.record.now.misuse {
         Misuse::Supersonic | Misuse::Subsonic => 0.99 * rises(opening.record.now.share, 0.02),
-        Misuse::Leaving | Misuse::Backflow => 0.9 * rises(opening.record.now.share, 0.1),
+        Misuse::Leaving | Misuse::Backflow | Misuse::Overtaking => 0.9 * rises(opening.record.now.share, 0.1),
     };
     let openings = data.gas.as_ref()?.openings.iter();
     let (likelihood, opening) =

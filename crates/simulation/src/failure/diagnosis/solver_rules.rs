@@ -1,7 +1,7 @@
 //! Causes in the settings of the solver.
 
 use super::super::data::{Attempt, FailureData, GaveUp, Settling};
-use super::{Cause, number, rises};
+use super::{Cause, NEWTON_STEPS, number, rises};
 
 /// A residual that stagnates at less than this times the estimate of its round-off is probably round-off.
 const NEAR_ROUND_OFF: f64 = 30.0;
@@ -16,7 +16,7 @@ pub fn newton_steps(data: &FailureData) -> Option<Cause> {
     let factor = mean.min(norms[steps - 1] / norms[steps]);
     let key = if data.attempt.steady { "solver.steady.steps" } else { "solver.newton_steps" };
     Some(Cause {
-        name: "newton_steps",
+        name: NEWTON_STEPS,
         likelihood: 0.95 * rises(factor - 1.0, 1.0),
         what: format!(
             "too few Newton steps are allowed: the residual was still falling, by a factor of {} in each of the {steps} steps",
@@ -47,7 +47,10 @@ pub fn no_steady_flow(data: &FailureData) -> Option<Cause> {
     let remedy = if calms_down || is_unsteady {
         march.to_owned()
     } else {
-        format!("a longer first step of pseudo-time, for instance `solver.steady.first_step = 10`; or {march}")
+        let length = "the size of the body as `flow.reference.length`, if that is another one, for it scales the steps";
+        format!(
+            "a longer first step of pseudo-time, for instance `solver.steady.first_step = 10`; {length}; or {march}"
+        )
     };
     Some(Cause { name, likelihood, what, remedy })
 }

@@ -114,13 +114,15 @@ fn explain<const D: usize>(case: &Case<D>, probe: Probe) -> Result<Vec<Table>, F
 where
     Case<D>: Preflight<D>,
 {
+    let mut of_restart = Vec::new();
     if let Some(flow) = &case.flow {
-        case.require_restart(flow)?;
+        of_restart = case.require_restart(flow)?;
         check_controls(case)?;
     }
     let facts = Facts::new(case);
     let mut tables = tables::known(&facts);
     let mut warnings = warnings(&facts);
+    warnings.extend(of_restart.into_iter().map(|text| Warning { subject: "restart", text }));
     warnings.extend(observed::warnings(&facts));
     warnings.extend(misused_openings(case));
     tables.extend(mesh_over_run(case, probe, &mut warnings));

@@ -4,9 +4,9 @@ use super::Facts;
 use super::warnings::{Warning, warning};
 use case::Observed;
 
-/// Lines and planes without a mesh, and averages of less than a period.
+/// Lines and planes without a mesh, averages of less than a period or after the end, and controls without effect.
 pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
-    [lines(facts), slices(facts), phases(facts)].into_iter().flatten().collect()
+    [lines(facts), slices(facts), averages(facts), phases(facts), controls(facts)].into_iter().flatten().collect()
 }
 
 /// Lines whose points all lie outside the mesh at rest. A mesh that moves may come there.
@@ -35,9 +35,32 @@ fn names<'a>(names: impl Iterator<Item = &'a str>) -> Option<String> {
     (!names.is_empty()).then(|| names.join(", "))
 }
 
+/// Controls that change nothing.
+fn controls<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
+    let unused = facts.case.controls.iter().filter(|control| !control.is_used);
+    let unused = names(unused.map(|control| control.name.as_str()))?;
+    let text = format!(
+        "no formula contains {unused}: it has no effect; its name in a formula of `flow.source` or `flow.boundary`"
+    );
+    warning("controls", text)
+}
+
+/// Averages that begin after the end.
+fn averages<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
+    let (averages, time) = (facts.case.averages.as_ref()?, &facts.case.time);
+    let text = format!(
+        "`output.averages` begin at t = {}, and the run ends at {}: it has no averages; an earlier `from`, or a later `time.end` with `--resume`",
+        averages.from, time.end
+    );
+    if averages.from < time.end { None } else { warning("averages", text) }
+}
+
 /// Phases that the run does not meet.
 fn phases<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
     let (averages, time) = (facts.case.averages.as_ref()?, &facts.case.time);
+    if averages.from >= time.end {
+        return None;
+    }
     let period = averages.phases?.period;
     let length = averages.to.map_or(time.end, |to| to.min(time.end)) - averages.from.max(time.start);
     // A whole number of periods is met up to round-off.

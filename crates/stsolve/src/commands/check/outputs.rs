@@ -31,7 +31,7 @@ fn add_observed<const D: usize>(table: &mut Table, observed: &Observed<D>) {
 }
 
 fn add_averages(table: &mut Table, averages: &Averages, end: f64) {
-    let to = averages.to.map_or(end, |to| to.min(end));
+    let to = averages.to.map_or(end, |to| to.min(end)).max(averages.from);
     table.row("averages from", averages.from, "").row("averages to", to, "");
     if !averages.along.is_empty() {
         let axes: Vec<&str> = averages.along.iter().map(|&axis| ["x", "y", "z"][axis]).collect();

@@ -10,6 +10,9 @@ use simulation::{PrescribedNode, speed_of_bodies_at_start, unheld_in_equilibrium
 /// A far field nearer than this, in reference lengths, influences the flow.
 const FAR: f64 = 10.0;
 
+/// The reference length and that of bodies in the mesh differ by at most this factor, unless another unit of length was meant.
+const UNLIKE: f64 = 20.0;
+
 /// A wall that is faster than this at the start, relative to the flow, causes a shock.
 const SUDDEN: f64 = 0.01;
 
@@ -46,6 +49,7 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
             exact(flow),
             rotating_frame(facts, flow),
             far_field(facts, flow),
+            reference_length(facts, flow),
         ];
         let of_start = [
             start(facts, flow, &walls),
@@ -163,6 +167,24 @@ fn far_field<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<War
          `flow.reference.length` if that is not the size of the body"
     );
     warning("far field", text)
+}
+
+/// Coefficients, the Reynolds number and scales of time belong to a length of the flow, not to a unit of length.
+fn reference_length<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
+    let (reference, [length, largest]) = (flow.reference_length, flow.lengths_in(&facts.case.mesh));
+    if flow.walls.is_empty() || (length / UNLIKE..=largest * UNLIKE).contains(&reference) {
+        return None;
+    }
+    let of_time = if flow.time_length == reference {
+        ", and scales of time such as the first step of a steady start"
+    } else {
+        ""
+    };
+    let text = format!(
+        "`flow.reference.length` is {reference}, and what the flow passes in the mesh has a length of {length}: coefficients, the Reynolds number \
+         and numbers of this table refer to the former{of_time}; `flow.reference = {{ ..., length = {length} }}` if that is not meant"
+    );
+    warning("reference length", text)
 }
 
 /// A wall that has a speed at the start pushes the gas suddenly, for any motion of the interior mesh.

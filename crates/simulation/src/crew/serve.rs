@@ -1,0 +1,74 @@
+//! What the other ranks do.
+
+use super::orders::{self, Order};
+use super::parts::{self, Own};
+use super::{add_up, advance, begin_averages, march, peak_memories, stored};
+use crate::averages::{AverageSums, add_slab};
+use crate::{controls, errors, integrals, steady_search};
+use case::{AnyCase, Case, State};
+use coupled::FlowMarch;
+use fem::StateField;
+use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use ranks::Communicator;
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// Executes the orders of rank 0, until it orders to finish.
+pub fn serve(case: &AnyCase, communicator: &Arc<dyn Communicator>) {
+    rayon::scope(|_| match case {
+        AnyCase::Plane(case) => serve_in::<2, 4>(case, communicator),
+        AnyCase::Space(case) => serve_in::<3, 5>(case, communicator),
+    });
+}
+
+fn serve_in<const D: usize, const M: usize>(case: &Case<D>, communicator: &Arc<dyn Communicator>)
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let Some(flow) = &case.flow else { return };
+    let mut flow = Cow::Borrowed(flow);
+    let mut own: Option<FlowMarch<D, M>> = None;
+    let mut averages = AverageSums::default();
+    loop {
+        let (order, state) = orders::receive(&**communicator);
+        match (order, &mut own) {
+            (Order::Finish, _) => return,
+            // An error is that of all ranks; rank 0 tells it.
+            (Order::Build, _) => own = march(case, &flow, communicator).ok(),
+            (Order::Restore, Some(march)) => {
+                let common = orders::decode(&state);
+                controls::set_for_preconditioner(case, Some(&common));
+                let own = parts::with_own_arrays(common, None, &march.solver.system.flow.operator.share);
+                stored::restore(case, &mut flow, &own, (march, &mut averages));
+            }
+            (Order::SearchSteadyFlow | Order::ReleaseBodies, Some(march)) => {
+                if let Some(steady) = &case.solver.steady {
+                    let _ = match order {
+                        Order::ReleaseBodies => steady_search::release_bodies(case, &flow, steady, march).err(),
+                        _ => steady_search::search(case, &flow, steady, march).err().map(Into::into),
+                    };
+                }
+            }
+            (Order::Advance, Some(march)) => {
+                controls::hear(case, &orders::decode(&state));
+                // An error is that of all ranks.
+                if let Ok(Some(_)) = advance(march) {
+                    add_slab(case, &flow, march, &mut averages);
+                }
+            }
+            (Order::BeginAverages, Some(march)) => drop(begin_averages(case, march, &mut averages)),
+            (Order::Send, Some(march)) => {
+                parts::serve(Own { march, averages: &averages }, &orders::decode(&state));
+            }
+            (Order::SendPlaces, Some(march)) => drop(parts::join_places(march)),
+            (Order::Integrate, Some(march)) => drop(integrals::of_run(case, &flow, march)),
+            (Order::AddUp, Some(march)) => drop(add_up(march)),
+            (Order::Measure, Some(march)) => drop(errors::of_cells(&flow, march)),
+            (Order::TellMemory, _) => drop(peak_memories(&**communicator)),
+            (_, None) => {}
+        }
+    }
+}

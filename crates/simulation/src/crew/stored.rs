@@ -1,0 +1,113 @@
+//! The state of all ranks in a checkpoint, and back.
+
+use super::parts::{self, own_linearisation};
+use super::{Crew, OfCells, Order, Own};
+use crate::averages::AverageSums;
+use crate::record::Stored;
+use crate::{cells, checkpoint, fallback};
+use case::{Case, Flow, State};
+use coupled::{FlowMarch, Linearisation};
+use fem::StateField;
+use navier_stokes::{Compiled, Exact, Manufactured, NavierStokes};
+use output::{ArrayInParts, SolverState};
+use std::borrow::Cow;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// The number of blocks among the stored numbers.
+const BLOCKS: &str = "blocks";
+
+impl Crew {
+    /// Has all ranks take their parts of the state, and of a linearisation if there is one. A `flow` that the state has in a split form
+    /// becomes that one. `None` if this rank cannot take it.
+    pub fn restore<const D: usize, const M: usize>(
+        &self,
+        case: &Case<D>,
+        flow: &mut Cow<'_, Flow<D>>,
+        stored: &SolverState,
+        (march, averages): (&mut FlowMarch<D, M>, &mut AverageSums),
+    ) -> Option<()>
+    where
+        NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+        Exact<State<D>>: StateField<D, M>,
+        Manufactured<State<D>, D>: StateField<D, M>,
+    {
+        if march.solver.system.flow.operator.share.is_whole() {
+            return restore(case, flow, stored, (march, averages));
+        }
+        let common = parts::without_arrays(stored, case.mesh.n_cells())?;
+        self.orders.give(Order::Restore, Some(&common));
+        let own = parts::with_own_arrays(common, Some(stored), &march.solver.system.flow.operator.share);
+        restore(case, flow, &own, (march, averages))
+    }
+
+    /// The state with what the preconditioners of all ranks are made of. Averages, and where there are several blocks all numbers of cells, are
+    /// long arrays.
+    pub fn store<'a, const D: usize, const M: usize>(&'a self, own: Own<'a, D, M>) -> Stored<'a> {
+        let (march, share) = (own.march, &own.march.solver.system.flow.operator.share);
+        let preconditioner = &march.solver.system.flow.preconditioner;
+        let mut state = match share.is_whole() {
+            true => checkpoint::store(&march.state, preconditioner.frozen(), preconditioner.stale),
+            false => self.without_cells(march),
+        };
+        state.arrays.extend(own.averages.to_arrays());
+        let array = |(of, name): (OfCells, &'static str)| {
+            let len = of.own(own).len() / share.own.len();
+            let part = move |cells: Range<usize>| self.numbers(own, of, cells).into_owned();
+            let parts = Box::new(cells::ranges(share.whole_cells(), len).map(part));
+            ArrayInParts { name: name.to_owned(), len: len * share.whole_cells(), parts }
+        };
+        let is_long = |(of, _): &(OfCells, &str)| match of {
+            OfCells::State | OfCells::Determinants => !share.is_whole(),
+            OfCells::Slab => !share.is_whole() && march.state.past.is_some(),
+            OfCells::Linearised => !share.is_whole() && preconditioner.frozen().is_some(),
+            OfCells::AverageOffsets | OfCells::AverageMoments => !own.averages.is_empty(),
+        };
+        Stored { state, long: OfCells::ALL.into_iter().filter(is_long).map(array).collect() }
+    }
+
+    /// The state to store without the numbers of cells.
+    fn without_cells<const D: usize, const M: usize>(&self, march: &FlowMarch<D, M>) -> SolverState {
+        let places = self.all(Order::SendPlaces, || parts::join_places(march));
+        let preconditioner = &march.solver.system.flow.preconditioner;
+        let ordering = || parts::whole_ordering(&places, &self.blocks);
+        let frozen = preconditioner.frozen().map(|frozen| Linearisation {
+            state: Arc::default(),
+            ordering: ordering(),
+            ..frozen.clone()
+        });
+        let mut stored = checkpoint::store(&parts::without_flow(&march.state), frozen.as_ref(), preconditioner.stale);
+        OfCells::ALL.iter().for_each(|(_, name)| drop(stored.arrays.remove(*name)));
+        stored.integers.insert(BLOCKS.to_owned(), march.solver.system.flow.operator.share.sums.blocks() as i64);
+        stored
+    }
+}
+
+/// Takes a `stored` state of the own cells. A `flow` that it has in a split form becomes that one. `None` if the state does not fit.
+pub fn restore<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &mut Cow<'_, Flow<D>>,
+    stored: &SolverState,
+    (march, averages): (&mut FlowMarch<D, M>, &mut AverageSums),
+) -> Option<()>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let (state, frozen, stale) = checkpoint::load(stored, &case.time)?;
+    if state.u.len() != march.state.u.len() || state.d.len() != march.state.d.len() || !march.has_bodies_of(&state) {
+        return None;
+    }
+    *averages = AverageSums::from_arrays(&stored.arrays)?;
+    fallback::follow(case, flow, march, stored).ok()?;
+    march.state = state;
+    // The stages of another partition may join neighbours.
+    let blocks = stored.integers.get(BLOCKS).map_or(1, |&blocks| blocks as usize);
+    if let Some(frozen) = frozen.filter(|_| blocks == case.blocks) {
+        let share = march.solver.system.flow.operator.share.clone();
+        march.solver.system.rebuild(own_linearisation(frozen, &share));
+    }
+    march.solver.system.flow.preconditioner.stale = stale;
+    Some(())
+}

@@ -1,0 +1,109 @@
+//! What a run observes of its flow: inflows and outflows, points, integrals.
+
+use super::FlowRun;
+use crate::cells::StateInCells;
+use crate::context::RunContext;
+use crate::crew::{OfCells, Order};
+use crate::drive::Run;
+use crate::failure::{Grid, Then, by_point};
+use crate::opening_states::OpeningStates;
+use crate::probes::FlowAtPoints;
+use crate::record::top;
+use crate::{history, integrals, openings};
+use case::State;
+use fem::StateField;
+use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
+
+impl<const D: usize, const M: usize> FlowRun<'_, D, M>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    /// The present state in some `cells`.
+    pub(super) fn state_in(&self, cells: &[usize]) -> StateInCells<'_> {
+        let operator = &self.march.solver.system.flow.operator;
+        let len = operator.layout.time_len();
+        if operator.share.is_whole() {
+            return StateInCells::whole(&self.march.state.u, len);
+        }
+        StateInCells::some(cells, self.crew.gather(self.own(), OfCells::State, cells), len)
+    }
+
+    /// The present state in the cells at some boundaries.
+    pub(super) fn state_at(&self, is_wanted: impl Fn(usize) -> bool) -> StateInCells<'_> {
+        let facets = self.case.mesh.boundary_facets().iter().filter(|facet| is_wanted(facet.boundary));
+        let mut cells: Vec<usize> = facets.map(|facet| facet.side.cell).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        self.state_in(&cells)
+    }
+
+    /// The present state in the cells at inflows and outflows.
+    pub(super) fn state_at_openings(&self) -> StateInCells<'_> {
+        self.state_at(|boundary| openings::is_opening(&self.flow.boundary[boundary].condition))
+    }
+
+    /// The flow at the end of the slab, to be observed at points.
+    pub(super) fn at_points(&self) -> FlowAtPoints<'_, D> {
+        let (state, mover) = (self.state(), &self.march.solver.system.mesh.mover);
+        FlowAtPoints {
+            flow: &self.flow,
+            formulas: &self.case.observed.formulas,
+            mover,
+            displacement: &state.d,
+            velocity: state.past.as_ref().map_or(&[][..], |past| top(&past.v, &state.d)),
+            time: state.time,
+        }
+    }
+
+    /// The mean states at openings, the flow at the points of the case, and its integrals.
+    pub(super) fn observed(&self) -> Vec<f64> {
+        let (state, mover) = (self.state(), &self.march.solver.system.mesh.mover);
+        let velocity = state.past.as_ref().map_or(&[][..], |past| top(&past.v, &state.d));
+        let at_openings = match history::openings(&self.flow).next() {
+            Some(_) => {
+                let (motion, state) = ([&state.d[..], velocity], &self.state_at_openings());
+                OpeningStates { flow: &self.flow, mover, motion, state }.row::<M>()
+            }
+            None => Vec::new(),
+        };
+        let at_points = match &self.case.observed.probes[..] {
+            [] => Vec::new(),
+            probes => self.at_points().row::<M>(probes, &|cells| self.state_in(&cells)),
+        };
+        [at_openings, at_points, self.integrals()].concat()
+    }
+
+    /// The integrals that the case asks for.
+    pub(super) fn integrals(&self) -> Vec<f64> {
+        let count = self.case.output.integrals.len();
+        if count == 0 {
+            return Vec::new();
+        }
+        let of_cells = || integrals::of_run(self.case, &self.flow, &self.march);
+        integrals::sums(&self.crew.all(Order::Integrate, of_cells), count)
+    }
+
+    /// Measures inflows and outflows, and reports each observation once.
+    pub(super) fn observe(&self, context: &mut RunContext) {
+        if !self.flow.boundary.iter().any(|data| openings::is_opening(&data.condition)) {
+            return;
+        }
+        let (state, mover, there) = (self.state(), &self.march.solver.system.mesh.mover, self.state_at_openings());
+        let grid = Grid::new(&mover.reference, &mover.numbering, self.flow.order);
+        let still = vec![0.0; state.d.len()];
+        let then = Then {
+            time: state.time,
+            displacement: &state.d,
+            velocity: state.past.as_ref().map_or(&still[..], |past| top(&past.v, &state.d)),
+            state: &|cell, _| by_point(&grid.sampler.state(there.of(cell))),
+        };
+        let seen = openings::measure(&self.flow, &mover.reference, &grid, &then);
+        for record in openings::enter(&mut context.statistics.openings, &seen, state.time) {
+            let name = &self.case.mesh.boundary_names()[record.now.boundary];
+            context.observer.say(&format!("warning: {}; {}", record.told(name), record.now.misuse.remedy(name)));
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! Walls whose distributions begin where a run goes on, because it had none along them before.
+
+use case::{Averages, Case, walls_with_series_of};
+use coupled::rounded_time;
+
+/// The walls with distributions in `case` of which the run with the resolved case `before` kept none.
+pub fn added<const D: usize>(case: &Case<D>, before: &str) -> Vec<String> {
+    let Ok(there) = walls_with_series_of(before) else { return Vec::new() };
+    let listed = case.output.surfaces.iter().filter(|_| case.output.surfaces_every.is_some());
+    listed.filter(|wall| !there.contains(wall)).cloned().collect()
+}
+
+/// A warning if the means along the walls `added`, of which there is no distribution before the time `begin`, cover less than the other averages.
+pub fn late_means<const D: usize>(case: &Case<D>, added: &[String], begin: f64) -> Option<String> {
+    let is_cut = |averages: &&Averages| averages.from < begin && averages.to.is_none_or(|to| to > begin);
+    let averages = case.averages.as_ref().filter(is_cut)?;
+    let walls = added.iter().map(|wall| format!("`{wall}`")).collect::<Vec<_>>().join(", ");
+    (!added.is_empty()).then(|| {
+        format!(
+            "the means along {walls} begin at t = {}, where the first distribution is, and not at {}, as `output.averages.from` asks for: the run \
+             before kept no distributions there (`output.surfaces.every`)",
+            rounded_time(begin),
+            averages.from
+        )
+    })
+}
