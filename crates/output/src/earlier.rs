@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::directory::RunDirectory;
 use crate::error::OutputError;
-use crate::files::file_error;
+use crate::files::{file_error, remove};
 use crate::history::{HISTORY_FILE, HistoryTable};
 use crate::reader::ResultReader;
 use crate::result_file::RESULT_FILE;
@@ -121,14 +121,6 @@ fn is_of_series(path: &Path) -> bool {
     let Some(name) = path.file_name().and_then(|name| name.to_str()) else { return false };
     let kinds = [("line_", ".csv"), ("surface_", ".csv"), ("surface_", ".vtkhdf"), ("slice_", ".pvd")];
     kinds.iter().any(|(prefix, extension)| name.starts_with(prefix) && name.ends_with(extension))
-}
-
-/// Removes a file, if it is there.
-fn remove(path: &Path) -> Result<(), OutputError> {
-    match fs::remove_file(path) {
-        Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(file_error(path, source)),
-        _ => Ok(()),
-    }
 }
 
 #[cfg(test)]

@@ -121,7 +121,9 @@ fn refusal(error: &str) -> String {
     let quoted = error.split_once("error message = '").and_then(|(_, rest)| rest.split_once('\''));
     let reason = quoted.map_or(error, |(reason, _)| reason);
     if reason.contains("No space left") || reason.contains("quota exceeded") {
-        return format!("{reason}; free some of it and continue with `--resume`: what was written before is whole");
+        return format!(
+            "{reason}; free some of it, and continue with `--resume` if there is a `result.vtkhdf`, or else begin again: what was written before is whole"
+        );
     }
     reason.to_owned()
 }

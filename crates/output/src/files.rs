@@ -36,6 +36,14 @@ pub fn write_atomically(path: &Path, contents: &[u8]) -> Result<(), OutputError>
     publish(&partial, path)
 }
 
+/// Removes a file, if it is there.
+pub(crate) fn remove(path: &Path) -> Result<(), OutputError> {
+    match fs::remove_file(path) {
+        Err(source) if source.kind() != io::ErrorKind::NotFound => Err(file_error(path, source)),
+        _ => Ok(()),
+    }
+}
+
 pub(crate) fn file_error(path: &Path, source: io::Error) -> OutputError {
     OutputError::File { path: path.to_owned(), source }
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::OutputError;
-use crate::files::{file_error, write_atomically};
+use crate::files::{file_error, remove, write_atomically};
 use crate::poly_data::PolyData;
 
 /// A series of poly data that ParaView opens as one: `slice_NAME.pvd`, and `slice_NAME/slab_NNNNNN.vtp` for every time.
@@ -23,17 +23,27 @@ impl SliceSeries {
         SliceSeries { directory: directory.to_owned(), name: format!("slice_{name}") }
     }
 
-    /// Starts the series, or keeps its times up to `reached` of a run that is resumed.
+    /// Starts the series, or keeps its times up to `reached` of a run that is resumed. The files of other times are removed.
     ///
     /// # Errors
     /// [`OutputError::File`] if the system refuses.
     pub fn begin(&self, reached: Option<f64>) -> Result<(), OutputError> {
         let folder = self.directory.join(&self.name);
         fs::create_dir_all(&folder).map_err(|source| file_error(&folder, source))?;
-        let kept = reached.map_or_else(Vec::new, |reached| {
-            self.entries().into_iter().filter(|entry| time_of(entry).is_some_and(|t| t <= reached)).collect()
-        });
-        self.write(&kept)
+        let is_kept = |entry: &String| reached.zip(time_of(entry)).is_some_and(|(reached, t)| t <= reached);
+        let (kept, dropped): (Vec<String>, Vec<String>) = self.entries().into_iter().partition(is_kept);
+        self.write(&kept)?;
+        dropped
+            .iter()
+            .filter_map(|entry| self.file_of(entry))
+            .try_for_each(|file| [file.clone(), file.with_extension("csv")].iter().try_for_each(|file| remove(file)))
+    }
+
+    /// The file of an entry, if it is one of this series.
+    fn file_of(&self, entry: &str) -> Option<PathBuf> {
+        let file = entry.split('"').nth(5)?;
+        let slab = file.strip_prefix(&format!("{}/slab_", self.name))?.strip_suffix(".vtp")?;
+        slab.bytes().all(|byte| byte.is_ascii_digit()).then(|| self.directory.join(file))
     }
 
     /// Adds the slice of a time, on request also as a table, `slab_NNNNNN.csv`.
@@ -92,5 +102,6 @@ mod tests {
         assert_eq!(series.entries().iter().filter_map(|entry| time_of(entry)).collect::<Vec<_>>(), [0.0, 0.1]);
         let has = |file: &str| directory.path().join("slice_wake").join(file).exists();
         assert!(has("slab_000001.vtp") && has("slab_000001.csv") && !has("slab_000002.csv"));
+        assert!(!has("slab_000002.vtp") && !has("slab_000003.vtp"), "slices of a former end stayed");
     }
 }

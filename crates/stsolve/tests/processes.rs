@@ -85,6 +85,19 @@ fn undisturbed() -> (TempDir, Duration) {
     (directory, begun.elapsed())
 }
 
+/// Every process moved the mesh on its own, and all but one failed because the directory was in use.
+#[test]
+fn the_mesh_alone_moves_in_one_process() {
+    let directory = TempDir::new().unwrap();
+    let mut command = Command::new("mpirun");
+    command.args(["-n", "2"]).arg(assert_cmd::cargo::cargo_bin("stsolve"));
+    command.args(["motion", &shipped("vortex.toml"), "--output", "run"]).current_dir(directory.path());
+    let (code, message) = end_of(command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap());
+    assert_eq!(code, Some(2), "{message}");
+    assert!(message.contains("the mesh alone moves in one process, not in 2"), "{message}");
+    assert!(!message.contains("in use") && !directory.path().join("run").exists(), "{message}");
+}
+
 /// Resumes the run if possible, or else starts it anew.
 fn go_on(directory: &Path, processes: usize) -> Child {
     let resume = directory.join("run/result.vtkhdf").exists();

@@ -38,8 +38,10 @@ pub(super) fn fall_back<const D: usize, const M: usize>(
     cut_files(session, recorder, run, true)?;
     let (time, cause) = (rounded_time(run.state().time), coupled::chain(error.as_ref()));
     let reason = finding.too_few_steps().unwrap_or_else(|| "the mesh does not resolve the flow".to_owned());
-    session.observer.say(&format!(
-        "warning: {cause}; {reason}, so the run goes on from t = {time} in a split form, with the nodes as points of quadrature (`solver.fallback`)"
-    ));
+    let told = format!(
+        "{cause}; {reason}, so the run goes on from t = {time} in a split form, with the nodes as points of quadrature (`solver.fallback`)"
+    );
+    session.observer.say(&format!("warning: {told}"));
+    tracing::info!("{told}");
     Ok(Stop::Failed(error, Some(Box::new(finding))))
 }

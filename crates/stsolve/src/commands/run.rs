@@ -45,8 +45,17 @@ fn begin(arguments: &RunArguments, rank: usize) -> Result<AnyCase, Failure> {
 /// `stsolve motion`
 ///
 /// # Errors
-/// As [`simulation::motion`].
+/// As [`simulation::motion`]; several processes.
 pub fn motion(arguments: &RunArguments) -> Result<(), Failure> {
+    let communicator = message_passing::world().map_err(Failure::bad_input)?;
+    match (communicator.rank(), communicator.size()) {
+        (_, 1) => {}
+        (0, size) => {
+            return Err(Failure::bad_input(anyhow::anyhow!("the mesh alone moves in one process, not in {size}")));
+        }
+        // What is wrong is told by the first process.
+        _ => return Ok(()),
+    }
     set_threads(arguments.threads.map(usize::from))?;
     let case = AnyCase::read(&arguments.case.case, &arguments.case.set)?;
     let observer = TerminalObserver::new(arguments, "motion");
