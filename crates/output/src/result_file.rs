@@ -143,7 +143,7 @@ impl ResultFile {
         self.change(|file, _| series::extend(&file.group(format::GROUP)?, array, time, values))
     }
 
-    /// Drops the last step and the last entries of series that a former end at `time` has added, but for those that are `kept`. A run whose
+    /// Drops what a former end at `time` has added: the last step, and the last entry of each series. What is `kept` stays. A run whose
     /// only step is there has just begun, and keeps everything.
     ///
     /// # Errors

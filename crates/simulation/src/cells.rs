@@ -13,7 +13,7 @@ pub fn ranges(cells: usize, len: usize) -> impl Iterator<Item = Range<usize>> + 
     (0..cells).step_by(step).map(move |start| start..cells.min(start + step))
 }
 
-/// Where the state in some cells comes from.
+/// Where the state in some cells comes from; they may be listed twice.
 pub type StateSource<'a> = dyn Fn(Vec<usize>) -> StateInCells<'a> + 'a;
 
 /// The state at one time in some cells, or in all.

@@ -172,10 +172,6 @@ where
     }
 
     fn averages(&self, cells: Range<usize>) -> AverageSums {
-        let share = &self.march.solver.system.flow.operator.share;
-        if share.is_whole() || self.averages.is_empty() {
-            return self.averages.part(&cells, share.own.len());
-        }
         let [offsets, moments] = [OfCells::AverageOffsets, OfCells::AverageMoments]
             .map(|of| self.crew.numbers(self.own(), of, cells.clone()).into_owned());
         self.averages.with_cells(offsets, moments)
@@ -252,13 +248,13 @@ where
     }
 
     fn examine(&self, error: &anyhow::Error, statistics: &RunStatistics) -> Finding {
-        let last = self.state_in(&(0..self.layout().cells).collect::<Vec<usize>>());
+        let last = self.state_in((0..self.layout().cells).collect());
         Failed::new((self.case, &self.flow), (&self.march, &last), error, &statistics.openings).examine()
     }
 
     fn cut(&self, directory: &Path, at_end: bool) -> Result<(), OutputError> {
         let _timed = tracing::trace_span!(target: "cost", "output").entered();
-        let source = |cells: Vec<usize>| self.state_in(&cells);
+        let source = |cells| self.state_in(cells);
         cuts::write::<D, M>(self.case, (&self.at_points(), &source), directory, (self.state().slab, at_end))
     }
 

@@ -80,10 +80,7 @@ pub fn state_at<'a, const D: usize>(
     source: &StateSource<'a>,
     places: &[Option<(usize, [f64; D])>],
 ) -> StateInCells<'a> {
-    let mut cells: Vec<usize> = places.iter().flatten().map(|place| place.0).collect();
-    cells.sort_unstable();
-    cells.dedup();
-    source(cells)
+    source(places.iter().flatten().map(|place| place.0).collect())
 }
 
 /// A cell of the flow.

@@ -55,7 +55,7 @@ impl<const D: usize> Extent<D> {
         self.upper[axis] - self.lower[axis]
     }
 
-    /// The length of this box along axes on which it ends before the box `whole` does, at both ends; 0 if there is none. So the span of a wing
+    /// The length of this box along the axes on which both of its ends lie inside the box `whole`; 0 if there is no such axis. So the span of a wing
     /// from wall to wall does not count, nor that of a wing that is longer than its chord.
     fn of_body(&self, whole: &Self) -> f64 {
         /// Nodes on a plane differ by round-off, or by that of a file.

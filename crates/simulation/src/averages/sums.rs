@@ -3,7 +3,6 @@
 use super::moments::{Averaged, Moments};
 use case::Averages;
 use output::Arrays;
-use std::ops::Range;
 
 /// The beginning of the names of the arrays.
 const NAME: &str = "statistics.averages";
@@ -111,15 +110,6 @@ impl AverageSums {
     pub fn cell_len<const D: usize>(wanted: &Averages, nodes: usize) -> usize {
         let (moments, phases) = (Moments::new::<D>(&wanted.fields), wanted.phases.map_or(1, |phases| phases.count));
         (moments.quantities.len() + phases * moments.len()) * nodes
-    }
-
-    /// The sums over a range of the `all` cells that these cover.
-    pub fn part(&self, cells: &Range<usize>, all: usize) -> Self {
-        let part = |values: &[f64]| {
-            let len = values.len() / all;
-            values[cells.start * len..cells.end * len].to_vec()
-        };
-        self.with_cells(part(&self.offsets), part(&self.moments))
     }
 
     /// The same averages, with the offsets and the sums of other cells.

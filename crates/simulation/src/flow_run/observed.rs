@@ -21,23 +21,22 @@ where
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
-    /// The present state in some `cells`.
-    pub(super) fn state_in(&self, cells: &[usize]) -> StateInCells<'_> {
+    /// The present state in `cells`, which may be listed twice.
+    pub(super) fn state_in(&self, mut cells: Vec<usize>) -> StateInCells<'_> {
         let operator = &self.march.solver.system.flow.operator;
         let len = operator.layout.time_len();
         if operator.share.is_whole() {
             return StateInCells::whole(&self.march.state.u, len);
         }
-        StateInCells::some(cells, self.crew.gather(self.own(), OfCells::State, cells), len)
+        cells.sort_unstable();
+        cells.dedup();
+        StateInCells::some(&cells, self.crew.gather(self.own(), OfCells::State, &cells), len)
     }
 
     /// The present state in the cells at some boundaries.
     pub(super) fn state_at(&self, is_wanted: impl Fn(usize) -> bool) -> StateInCells<'_> {
         let facets = self.case.mesh.boundary_facets().iter().filter(|facet| is_wanted(facet.boundary));
-        let mut cells: Vec<usize> = facets.map(|facet| facet.side.cell).collect();
-        cells.sort_unstable();
-        cells.dedup();
-        self.state_in(&cells)
+        self.state_in(facets.map(|facet| facet.side.cell).collect())
     }
 
     /// The present state in the cells at inflows and outflows.
@@ -71,7 +70,7 @@ where
         };
         let at_points = match &self.case.observed.probes[..] {
             [] => Vec::new(),
-            probes => self.at_points().row::<M>(probes, &|cells| self.state_in(&cells)),
+            probes => self.at_points().row::<M>(probes, &|cells| self.state_in(cells)),
         };
         [at_openings, at_points, self.integrals()].concat()
     }

@@ -86,16 +86,20 @@ impl<'a, const D: usize, const M: usize> StepParts<'a, D, M> {
         if self.case.flow.is_some() {
             exact.push(("flow".to_owned(), flow.into_owned()));
         }
-        self.add_averages(cells.len(), &(snapshot.averages)(cells), (&mut fields, &mut exact));
+        self.add_averages(snapshot, cells, (&mut fields, &mut exact));
         StepPart { time: snapshot.time, points, fields, exact }
     }
 
-    /// The averages up to now, from the `sums` over so many `cells`.
-    fn add_averages(&self, cells: usize, sums: &AverageSums, (fields, exact): (&mut Named, &mut Named)) {
-        let Some(of_mesh) = average_fields(self.case, sums) else { return };
+    /// The averages up to now in some `cells`, if the case asks for averages.
+    fn add_averages(&self, snapshot: &Snapshot, cells: Range<usize>, (fields, exact): (&mut Named, &mut Named)) {
+        if self.case.averages.is_none() {
+            return;
+        }
+        let (count, sums) = (cells.len(), (snapshot.averages)(cells));
+        let Some(of_mesh) = average_fields(self.case, &sums) else { return };
         let nodes = flow_order(self.case).pow(D as u32);
         for average in of_mesh.averages() {
-            let coefficients = of_mesh.coefficients(average, None, 0..cells);
+            let coefficients = of_mesh.coefficients(average, None, 0..count);
             let drawn = averages::drawn::<D>(average, &coefficients, nodes, &self.sampler);
             fields.push((average.name.clone(), drawn));
             exact.push((average.name.clone(), coefficients));
