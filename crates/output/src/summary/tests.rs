@@ -4,6 +4,7 @@
 use super::*;
 use serde_json::{Value, json};
 
+/// A summary in which every part is there.
 fn full() -> Summary {
     Summary {
         case: "box".to_owned(),
@@ -19,84 +20,105 @@ fn full() -> Summary {
         time: 0.3,
         newton: Some(Newton { total: 9, max: 4, per_slab: 3.0 }),
         krylov: Some(Krylov { total: 81, max_per_newton: 12, mean_per_newton: 9.0, elasticity_total: Some(40) }),
-        mesh_quality: Some(MeshQuality {
-            det_j_lower_bound: Some(0.5),
-            det_j_sampled_min: Some(0.6),
-            scaled_jacobian_min: Some(0.7),
-            first_invalid_time: Some(1.5),
-            first_invalid_time_sampled: Some(1.75),
-        }),
-        conservation: Some(Conservation {
-            mass_error: Some(1e-15),
-            energy_error: Some(3e-15),
-            coupled_energy_error: None,
-            free_stream_error: Some(2e-14),
-        }),
-        error: Some(ErrorNorms {
-            density_l2: Some(1e-3),
-            momentum_l2: Some(2e-3),
-            energy_l2: Some(3e-3),
-            displacement_max: Some(1e-12),
-        }),
-        steady: Some(Steady {
-            newton: 12,
-            krylov: 300,
-            residual: 1e-10,
-            next_order_residual: Some(2e-3),
-            stability: Some(SteadyStability { growth: 1.5, duration: 8.0, completed: true, unstable: false }),
-            walls: BTreeMap::from([(
-                "foil".to_owned(),
-                SteadyWall { drag_coefficient: 0.12, lift_coefficient: 0.25, moment_coefficient: 0.5 },
-            )]),
-        }),
-        structure: Some(StructureSummary {
-            natural_frequencies: vec![0.5, 1.5],
-            energy_at_start: 1.0,
-            energy: 1.25,
-            load_work: 0.5,
-            support_work: -0.125,
-            dissipation: 0.125,
-            energy_error: 1e-16,
-            iterations: 99,
-        }),
+        mesh_quality: Some(mesh_quality()),
+        conservation: Some(conservation()),
+        error: Some(error()),
+        steady: Some(steady()),
+        structure: Some(structure()),
         bodies: BTreeMap::new(),
+        walls: BTreeMap::from([("foil".to_owned(), wall())]),
+        openings: BTreeMap::from([("outlet".to_owned(), opening())]),
+        machine: Some(machine()),
+        cost: cost(),
+    }
+}
+
+fn mesh_quality() -> MeshQuality {
+    MeshQuality {
+        det_j_lower_bound: Some(0.5),
+        det_j_sampled_min: Some(0.6),
+        scaled_jacobian_min: Some(0.7),
+        first_invalid_time: Some(1.5),
+        first_invalid_time_sampled: Some(1.75),
+    }
+}
+
+fn conservation() -> Conservation {
+    Conservation {
+        mass_error: Some(1e-15),
+        energy_error: Some(3e-15),
+        coupled_energy_error: None,
+        free_stream_error: Some(2e-14),
+    }
+}
+
+fn error() -> ErrorNorms {
+    ErrorNorms { density_l2: Some(1e-3), momentum_l2: Some(2e-3), energy_l2: Some(3e-3), displacement_max: Some(1e-12) }
+}
+
+fn steady() -> Steady {
+    Steady {
+        newton: 12,
+        krylov: 300,
+        residual: 1e-10,
+        next_order_residual: Some(2e-3),
+        stability: Some(SteadyStability { growth: 1.5, duration: 8.0, completed: true, unstable: false }),
         walls: BTreeMap::from([(
             "foil".to_owned(),
-            Wall {
-                impulse: vec![1.0, -2.0],
-                pressure_impulse: vec![0.75, -2.25],
-                friction_impulse: vec![0.25, 0.25],
-                moment_impulse: vec![3.0],
-                work: 0.5,
-                heat: 0.25,
-                drag_coefficient: Some(0.12),
-                lift_coefficient: Some(1.5),
-                moment_coefficient: Some(-0.5),
-            },
+            SteadyWall { drag_coefficient: 0.12, lift_coefficient: 0.25, moment_coefficient: 0.5 },
         )]),
-        openings: BTreeMap::from([(
-            "outlet".to_owned(),
-            Opening {
-                mass_flow: Some(0.25),
-                backflow: Some(Misused { since: 0.5, share: 0.0, largest_share: 0.125 }),
-                ..Opening::default()
-            },
-        )]),
-        machine: Some(Machine {
-            processor: Some("Fast 3000".to_owned()),
-            processors: 2,
-            system: "linux x86_64".to_owned(),
-        }),
-        cost: Cost {
-            wall_seconds: 2.5,
-            setup_seconds: 0.5,
-            peak_memory_bytes: Some(1 << 20),
-            peak_memory_of_processes: vec![1 << 20, 1 << 19],
-            threads: 2,
-            residual_evaluations: 100,
-            jacobian_products: 81,
-            parts: BTreeMap::from([("product".to_owned(), crate::cost::Part { seconds: 1.5, calls: 81 })]),
-        },
+    }
+}
+
+fn structure() -> StructureSummary {
+    StructureSummary {
+        natural_frequencies: vec![0.5, 1.5],
+        energy_at_start: 1.0,
+        energy: 1.25,
+        load_work: 0.5,
+        support_work: -0.125,
+        dissipation: 0.125,
+        energy_error: 1e-16,
+        iterations: 99,
+    }
+}
+
+fn wall() -> Wall {
+    Wall {
+        impulse: vec![1.0, -2.0],
+        pressure_impulse: vec![0.75, -2.25],
+        friction_impulse: vec![0.25, 0.25],
+        moment_impulse: vec![3.0],
+        work: 0.5,
+        heat: 0.25,
+        drag_coefficient: Some(0.12),
+        lift_coefficient: Some(1.5),
+        moment_coefficient: Some(-0.5),
+    }
+}
+
+fn opening() -> Opening {
+    Opening {
+        mass_flow: Some(0.25),
+        backflow: Some(Misused { since: 0.5, share: 0.0, largest_share: 0.125 }),
+        ..Opening::default()
+    }
+}
+
+fn machine() -> Machine {
+    Machine { processor: Some("Fast 3000".to_owned()), processors: 2, system: "linux x86_64".to_owned() }
+}
+
+fn cost() -> Cost {
+    Cost {
+        wall_seconds: 2.5,
+        setup_seconds: 0.5,
+        peak_memory_bytes: Some(1 << 20),
+        peak_memory_of_processes: vec![1 << 20, 1 << 19],
+        threads: 2,
+        residual_evaluations: 100,
+        jacobian_products: 81,
+        parts: BTreeMap::from([("product".to_owned(), crate::cost::Part { seconds: 1.5, calls: 81 })]),
     }
 }
 

@@ -1,0 +1,153 @@
+//! `stsolve check` warns of doubtful choices.
+
+use crate::common::shipped;
+use crate::outcome;
+use std::path::Path;
+
+#[test]
+fn check_warns_of_doubtful_choices_and_names_the_remedy() {
+    let airfoil = shipped("naca0012_heave.toml");
+    let viscosity = "flow.gas.viscosity.constant=1e-7";
+    for (settings, subject, remedy) in [
+        (&["time.step=0.5", "time.order=1"][..], "slab length", "`time.step` of"),
+        (&["mesh.generate.airfoil.far_field=5"], "far field", "`far_field`"),
+        (&["mesh.generate.airfoil={first_cell=0.2}"], "first cell", "`first_cell`"),
+        (&["flow.quadrature={points=5}"], "quadrature", "\"conserving\""),
+        (&["motion.boundary.airfoil.displacement=[0, \"t\"]"], "start of the motion", "at_rest"),
+        (&["motion={displacement=[0, \"0.5*t\"]}"], "start of the motion", "with a speed of 5.00e-1"),
+        (
+            &["flow.gas={viscosity={sutherland={viscosity=2e-2,temperature=288.15,constant=110.4}}}"],
+            "Sutherland's law",
+            "`flow.gas.gas_constant`",
+        ),
+        // This one starts from rest, although it is fast within the first slab.
+        (&["motion.boundary.airfoil.displacement=[0, \"0.1*sin(pi*t)^2\"]"], "none", ""),
+        (&["motion.boundary.airfoil.displacement=[0, \"3*t^2\"]"], "speed of walls", "`shock_capturing = {}`"),
+        (&["flow.gas.gamma=14"], "ratio of specific heats", "1.4 for air"),
+        (&["flow.initial.uniform.mach=0.9"], "Mach number", "`shock_capturing = {}`"),
+        (&["flow.initial.uniform.mach=0.05", "flow.riemann=\"lax_friedrichs\""], "Mach number", "\"roe\""),
+        (&[viscosity], "turbulence", "lower Reynolds number"),
+        (&["solver={newton_tolerance=1e-5}"], "start of the flow", "`[solver.steady]`"),
+        (&["flow.gas.viscosity=\"inviscid\""], "viscosity", "slip_wall"),
+        (&["flow.boundary.airfoil=\"symmetry\"", "flow.forces={}"], "none", ""),
+        (
+            &["flow.boundary.airfoil={far_field={velocity=[1,0],mach=0.2}}", "flow.forces={}"],
+            "moving boundary",
+            "flow.boundary.airfoil",
+        ),
+        (&["flow.exact={uniform={velocity=[1,0],mach=0.2}}"], "exact solution", "`flow.initial`"),
+        (&["flow.rotation={rate=0.5}"], "rotating frame", "`prescribed_state = { expression"),
+        (&["solver.preconditioner=\"lines\""], "preconditioner", "\"blocks\""),
+        (&["output.every=1", "flow.order=16", "time.step=0.001"], "result file", "`output.every`"),
+    ] {
+        let set = settings.iter().flat_map(|setting| ["--set", setting]);
+        let arguments: Vec<&str> = ["check", "--json", "--probe", "never", &airfoil].into_iter().chain(set).collect();
+        let (code, stdout, stderr) = outcome(Path::new("."), &arguments);
+        assert_eq!((code, stderr.as_str()), (0, ""), "{settings:?}");
+        let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+        let warnings = json["warnings"].as_object().unwrap();
+        assert_eq!(warnings.keys().collect::<Vec<_>>(), [subject], "{settings:?}");
+        assert!(warnings[subject].as_str().unwrap().contains(remedy), "{settings:?}: {warnings:?}");
+    }
+    // Cells alone suffice for it.
+    let (_, stdout, _) =
+        outcome(Path::new("."), &["check", "--json", "--probe", "never", &shipped("vortex_period.toml")]);
+    assert!(stdout.contains("\"none\":\"\"") && !stdout.contains("sound crosses"), "{stdout}");
+    let (_, stdout, _) = outcome(Path::new("."), &["check", "--json", "--probe", "never", &airfoil]);
+    let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!(json["warnings"]["none"], "", "the case as it is shipped");
+    // The airfoil moves by a chord, A = 1/2, at 8/9 at most: h' = (24 t^2 - 12 t^3) / 16 at t = 4/3.
+    let number = |section: &str, key: &str| json[section][key].as_f64().unwrap();
+    assert!((number("motion", "amplitude A") - 0.5).abs() < 1e-9);
+    assert!((number("flow", "reduced frequency") - 8.0 / 9.0).abs() < 1e-3);
+    assert!((number("flow", "Strouhal number") - 8.0 / 9.0 / std::f64::consts::PI).abs() < 1e-3);
+    // Blasius at Re = 1000: u_tau / U = sqrt(0.332 / sqrt(1000)).
+    let wall_units = number("walls", "first cell") * 1000.0 * (0.332 / 1000.0_f64.sqrt()).sqrt();
+    assert!((number("walls", "first cell in wall units") / wall_units - 1.0).abs() < 1e-12);
+}
+
+/// Bodies were left out: a prescribed motion that starts suddenly, and walls beside them that bulge with their mesh.
+#[test]
+fn check_warns_of_doubtful_bodies() {
+    let warns = |case: &str, settings: &[&str], subject: &str| {
+        let case = shipped(case);
+        let mut arguments = vec!["check", "--json", "--probe", "never", &case];
+        settings.iter().for_each(|setting| arguments.extend(["--set", setting]));
+        let (code, stdout, stderr) = outcome(Path::new("."), &arguments);
+        assert_eq!((code, stderr.as_str()), (0, ""), "{settings:?}");
+        serde_json::from_str::<serde_json::Value>(&stdout).unwrap()["warnings"].get(subject).is_some()
+    };
+    let cylinder = "cylinder_viv.toml";
+    assert!(warns(cylinder, &["bodies.cylinder.y={motion=\"0.1*t\"}"], "start of the motion"));
+    assert!(!warns(cylinder, &["bodies.cylinder.y={motion=\"0.1*t^2\"}"], "start of the motion"));
+    let (walls, subject) = ("flow.boundary.far=\"slip_wall\"", "wall beside a body");
+    assert!(warns(cylinder, &[walls, "bodies.cylinder.mesh.between.outer=60"], subject));
+    assert!(!warns(cylinder, &[walls], subject));
+    let released = "solver.steady={bodies=\"equilibrium\"}";
+    assert!(warns(cylinder, &[released, "bodies.cylinder.x={}"], "equilibrium"));
+    assert!(!warns(cylinder, &[released], "equilibrium"));
+    // These walls move along themselves.
+    let beside = ["mesh.generate.box.periodic=[]", "flow.boundary.others=\"slip_wall\""];
+    assert!(!warns("piston_free.toml", &beside, subject));
+}
+
+/// The warnings of a case, and its table of outputs.
+fn checked(case: &str, settings: &[&str]) -> (serde_json::Value, serde_json::Value) {
+    let case = shipped(&format!("{case}.toml"));
+    let set = settings.iter().flat_map(|setting| ["--set", setting]);
+    let arguments: Vec<&str> = ["check", "--json", "--probe", "never", &case].into_iter().chain(set).collect();
+    let (code, stdout, stderr) = outcome(Path::new("."), &arguments);
+    assert_eq!(code, 0, "{settings:?}: {stderr}");
+    let mut json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    (json["warnings"].take(), json["output"].take())
+}
+
+#[test]
+fn check_lists_what_is_observed_and_warns_where_there_is_nothing_to_see() {
+    let inside = [
+        "output.lines.a={from=[0.1,0.1],to=[0.9,0.8]}",
+        "output.probes.b={at=[0.5,0.4]}",
+        "output.formulas.c=\"2*pressure\"",
+    ];
+    let (warnings, output) = checked("free_stream", &inside);
+    assert_eq!(warnings["none"], "", "{warnings}");
+    for (key, name) in [("lines", "a"), ("points", "b"), ("fields by formulas", "c")] {
+        assert_eq!(output[key][0], name, "{output}");
+    }
+    let (warnings, _) = checked("free_stream", &["output.lines.away={from=[7,7],to=[8,9]}"]);
+    assert!(warnings["lines"].as_str().unwrap().contains("no point of `away`"), "{warnings}");
+    let slice = |z: f64| format!("output.slices.a={{point=[0.5,0.5,{z}],normal=[0,0,1]}}");
+    let (warnings, output) = checked("free_stream_3d", &[&slice(0.5)]);
+    assert!(warnings["slices"].is_null() && output["slices"][0] == "a", "{warnings}");
+    let (warnings, _) = checked("free_stream_3d", &[&slice(3.0)]);
+    assert!(warnings["slices"].as_str().unwrap().contains("does not cut the mesh"), "{warnings}");
+}
+
+#[test]
+fn check_warns_of_phases_that_the_run_does_not_meet() {
+    let averages = |period: f64| format!("output.averages={{from=0,period={period},phases=4,fields=[\"velocity\"]}}");
+    let end = ["time.end=1", "time.slabs=4"];
+    let (warnings, _) = checked("free_stream", &[end[0], end[1], &averages(1.0)]);
+    assert!(warnings["averages"].is_null(), "{warnings}");
+    let (warnings, _) = checked("free_stream", &[end[0], end[1], &averages(1.5)]);
+    assert!(warnings["averages"].as_str().unwrap().contains("less than their period"), "{warnings}");
+}
+
+/// Flows that the mesh does not resolve are told what keeps them stable, unless it is in use.
+#[test]
+fn check_advises_robust_quadrature_where_a_flow_is_not_resolved() {
+    let advice = "`flow.quadrature = \"three_halves\"`";
+    let tells = |case: &str, settings: &[&str], subject: &str| {
+        let (warnings, _) = checked(case, settings);
+        warnings[subject].as_str().is_some_and(|text| text.contains(advice))
+    };
+    assert!(tells("naca0012_heave", &["mesh.generate.airfoil={first_cell=0.2}"], "first cell"));
+    assert!(tells("naca0012_heave", &["flow.gas.viscosity.constant=1e-7"], "turbulence"));
+    assert!(!tells(
+        "naca0012_heave",
+        &["flow.gas.viscosity.constant=1e-7", "flow.quadrature=\"double\""],
+        "turbulence"
+    ));
+    assert!(tells("taylor_green_3d", &["flow.quadrature=\"conserving\""], "resolution"));
+    assert!(!tells("taylor_green_3d", &[], "resolution"));
+}
