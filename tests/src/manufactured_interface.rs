@@ -15,7 +15,7 @@
 use crate::strip::followers;
 use coupled::blocks::elastic_body::{ElasticBodyData, Interface};
 use coupled::blocks::{ElasticBody, SlabTimes};
-use coupled::{FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, Settings, Supports, System};
+use coupled::{FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Reactions, Schedule, Settings, Supports, System};
 use elasticity::{FluidLayer, Lame, Law, Loads, Material, Structure};
 use fem::{ConservationLaw, Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, squared_errors};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
@@ -239,7 +239,11 @@ impl Setting {
             displacement: positions.iter().flat_map(|x| Motion.value(x, 0.0)).collect(),
             velocity: positions.iter().flat_map(|x| Motion.rate(x, 0.0)).collect(),
             fluid: FluidLayer { density: 1.0, speed_of_sound: 1.2, depth: 0.1, areas },
-            supports: Supports { fields: vec![Arc::new(Motion)], field_of_node: vec![Some(0); wet.len()] },
+            supports: Supports {
+                fields: vec![Arc::new(Motion)],
+                field_of_node: vec![Some(0); wet.len()],
+                reactions: Reactions::default(),
+            },
             structure,
             loads,
             points: Vec::new(),

@@ -12,7 +12,7 @@
 use coupled::block::Ledger;
 use coupled::blocks::elastic_body::{ElasticBodyData, Follower, Interface};
 use coupled::blocks::{ElasticBody, SlabTimes};
-use coupled::{FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, Settings, Supports, System};
+use coupled::{FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Reactions, Schedule, Settings, Supports, System};
 use elasticity::{Damping, FluidLayer, Law, Loads, Material, Structure};
 use fem::{Orders, Problem, Quadrature, SlabOperator};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
@@ -146,7 +146,11 @@ impl Strip {
                 depth: self.lengths[0],
                 areas: structure.wet_areas(&wet),
             },
-            supports: Supports { fields: Vec::new(), field_of_node: vec![None; wet.len()] },
+            supports: Supports {
+                fields: Vec::new(),
+                field_of_node: vec![None; wet.len()],
+                reactions: Reactions::default(),
+            },
             structure,
             loads,
             points: Vec::new(),

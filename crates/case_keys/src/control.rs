@@ -12,7 +12,8 @@ pub struct Control {
     /// The number in the first slab: a formula of constants.
     #[serde(default = "zero")]
     pub initial: Formula,
-    /// What is measured at the end of a slab: a column of history.csv, such as `outflow_mass_flow` or `momentum_x`.
+    /// What is measured at the end of a slab: a column of history.csv, such as `outflow_mass_flow`, or `momentum_x` if
+    /// `output.integrals` lists it.
     pub measure: String,
     /// The rate at which the number changes: a formula in `measured`, in `value`, the number in the slab, and in t, the time at its end. After a slab
     /// of length dt the number is `value` + dt times the rate.

@@ -81,7 +81,7 @@ pub struct Case {
     pub structure: Option<Structure>,
     /// The time to cover.
     pub time: Time,
-    /// Starts from the result of another run instead of the initial state.
+    /// Starts from the result of another run instead of the initial state; only together with `[flow]`.
     pub restart: Option<Restart>,
     /// The solver of a slab.
     #[serde(default)]

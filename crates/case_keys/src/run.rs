@@ -22,7 +22,7 @@ pub struct Time {
     pub step: Option<f64>,
     /// Instead of the step: the number of slabs, all of the same length.
     pub slabs: Option<usize>,
-    /// Adapts the length of the slabs to the changes of the flow. Default: all slabs have the same length.
+    /// Adapts the length of the slabs to the changes of the flow; only together with `[flow]`. Default: all slabs have the same length.
     pub adaptive: Option<Adaptive>,
 }
 
@@ -45,6 +45,7 @@ pub struct Adaptive {
 /// slabs and solver may differ. Flow, mesh and its motion, time, sums and history are carried over; mass, momentum and energy are
 /// kept. Another mesh is an error; another gas and a motion that jumps are errors unless `allow` names them. Sources, boundary conditions,
 /// the rotation of the frame, masses and springs of bodies and the material of a structure may change: the run goes on with the new ones.
+/// Only a flow can start so, with or without a structure beside it: a structure or a mesh alone cannot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Restart {

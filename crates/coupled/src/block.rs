@@ -43,6 +43,9 @@ pub struct Exchange {
     pub mesh_velocity: Vec<f64>,
     /// Whether that velocity is not zero everywhere; set in products and preconditioners alone.
     pub mesh_moves: bool,
+    /// Whether the flow keeps the effect of bodies that the whole mesh follows. Then the mesh writes nothing in products and
+    /// preconditioners.
+    pub effect_is_kept: bool,
     /// Loads on the walls of bodies, `[time point][loaded node][component]`, see [`fem::SlabOperator::loads`].
     pub wall_loads: Vec<f64>,
 }
@@ -80,7 +83,8 @@ pub trait Block: Send {
     /// Fixes the point of linearisation and 1/dtau.
     fn linearise(&mut self, z: &[f64], exchange: &mut Exchange, inverse_pseudo_time: f64);
 
-    /// out := dR/dz x without the terms that later blocks determine; writes the derivatives of its quantities.
+    /// out := dR/dz x without the terms that later blocks determine; writes the derivatives of its quantities. For those of bodies see
+    /// [`Body::move_walls`].
     fn product(&mut self, x: &[f64], tangent: &mut Exchange, out: &mut [f64]);
 
     /// Adds to `out` the derivative of the terms that later blocks determine.
@@ -145,6 +149,8 @@ pub struct BodyState {
     pub potential_energy: f64,
     /// The balance of its energy.
     pub ledger: Ledger,
+    /// The mean forces of its supports over the slab that has ended; not numbers before the first one.
+    pub reactions: Vec<f64>,
 }
 
 impl BodyState {
@@ -183,6 +189,10 @@ pub trait Body: Block {
     /// z := the guess for the slab that [`Block::begin_slab`] has set; writes the displacement of its walls. `past` holds the unknowns and
     /// the length of the slab before, if there was one.
     fn guess(&mut self, past: Option<(&[f64], f64)>, exchange: &mut Exchange, z: &mut [f64]);
+
+    /// Adds to `displacement`, `[time node][C0 node][component]`, the derivative of that of its walls along the unknowns `x`. It is called before
+    /// the [products](Block::product) of later blocks, and where they are preconditioned.
+    fn move_walls(&mut self, x: &[f64], displacement: &mut [f64]);
 
     /// The C0 nodes where [`Body::add_velocity_at_top`] replaces the velocity of the mesh; several bodies may move one.
     fn nodes_with_velocity_at_top(&self) -> Vec<usize> {

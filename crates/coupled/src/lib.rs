@@ -64,5 +64,5 @@ pub use steady::{
     Discretisation, Discretised, Equilibrium, Invariants, NoEquilibrium, Reliability, Search, Settling, Stability,
     Stage, SteadyError, SteadyFlow, find_equilibrium, solve_steady,
 };
-pub use structure_march::{Equations, StructureAlone, StructureMarch, StructureReport, Supports};
+pub use structure_march::{Equations, Reactions, StructureAlone, StructureMarch, StructureReport, Supports};
 pub use system::{ResidualBreakdown, System};

@@ -23,6 +23,8 @@ pub struct StructureReport {
     pub kinetic_energy: f64,
     /// d . K d / 2 at the top.
     pub strain_energy: f64,
+    /// The forces of the supports, see [`Reactions::forces`].
+    pub reactions: Vec<f64>,
 }
 
 /// How the fixed entries of a structure move.
@@ -32,6 +34,27 @@ pub struct Supports<const D: usize> {
     pub fields: Vec<Arc<dyn VectorField<D>>>,
     /// For every C0 node the field that moves its fixed entries; without one they rest.
     pub field_of_node: Vec<Option<usize>>,
+    /// Whose reaction an entry counts for.
+    pub reactions: Reactions,
+}
+
+/// The reactions of supports: one number for each component that a boundary prescribes.
+#[derive(Clone, Debug, Default)]
+pub struct Reactions {
+    /// How many they are.
+    pub count: usize,
+    /// For every entry the reaction that it counts for, `[C0 node][component]`; none at free entries.
+    pub of_entry: Vec<Option<usize>>,
+}
+
+impl Reactions {
+    /// Their values: the sums of the nodal forces `reaction` over the entries of each. They are not numbers as long as that is empty.
+    pub fn forces(&self, reaction: &[f64]) -> Vec<f64> {
+        let mut forces = vec![if reaction.is_empty() { f64::NAN } else { 0.0 }; self.count];
+        let entries = self.of_entry.iter().zip(reaction);
+        entries.filter_map(|(number, force)| Some(((*number)?, force))).for_each(|(number, f)| forces[number] += f);
+        forces
+    }
 }
 
 impl<const D: usize> Supports<D> {
@@ -164,7 +187,8 @@ impl<const D: usize> SlabSolver for StructureAlone<D> {
         state.past = Some(Past { interval, dt, bottom, u: Arc::default(), v: Arc::new(v), bodies: Vec::new() });
         let [kinetic_energy, strain_energy] = self.energies(state);
         let (slab, rejected) = (state.slab + 1, state.rejected);
-        StructureReport { slab, interval, rejected, dynamics, kinetic_energy, strain_energy }
+        let reactions = self.supports.reactions.forces(&dynamics.reaction);
+        StructureReport { slab, interval, rejected, dynamics, kinetic_energy, strain_energy, reactions }
     }
 }
 

@@ -7,6 +7,7 @@
 //! W are the unknowns of bodies, V the velocities of the mesh, U the flow. Motions that are prescribed everywhere leave V out of z. Without
 //! bodies dR/dz is block lower triangular: the mesh does not depend on the flow.
 
+mod effect_of_bodies;
 mod residual_breakdown;
 mod rounding;
 
@@ -24,13 +25,6 @@ use newton_krylov::inner_product::{InnerProduct, Parts, Weighted};
 use newton_krylov::problem::{Field, Inadmissible, NonlinearProblem};
 use std::ops::Range;
 
-/// Up to this many unknowns of bodies, products along the mesh that follows them are kept.
-const MOST_DIRECTIONS: usize = 12;
-
-/// The effect of the mesh on the flow is that of an earlier Newton step while it is at most this part of the flow's residual: what it lacks is
-/// then far less.
-const SMALL_EFFECT: f64 = 0.03;
-
 /// The coupled problem of the current slab.
 pub struct System<const D: usize, const M: usize> {
     /// Bodies: they move walls, and the flow loads them.
@@ -47,6 +41,8 @@ pub struct System<const D: usize, const M: usize> {
     pub(crate) exchange: Exchange,
     /// Along the direction last taken.
     tangent: Exchange,
+    /// The way of its body per unit of each of their unknowns.
+    ways: Vec<f64>,
     fields: Vec<Field>,
     /// The entries of z of every block: bodies, mesh, flow. The range of the mesh may be empty.
     ranges: Vec<Range<usize>>,
@@ -74,6 +70,7 @@ impl<const D: usize, const M: usize> System<D, M> {
             volume_scale: 1.0,
             exchange: Exchange::default(),
             tangent: Exchange::default(),
+            ways: Vec::new(),
             fields: Vec::new(),
             ranges: Vec::new(),
             weights: Weighted::new(Vec::new()),
@@ -97,9 +94,8 @@ impl<const D: usize, const M: usize> System<D, M> {
             self.ranges.push(range);
         }
         let (flow, layout) = (self.flow_range(), self.flow.operator.layout);
-        if self.mesh.follows_everywhere() {
-            self.flow.expect_mesh_velocities(if flow.start <= MOST_DIRECTIONS { flow.start } else { 0 });
-        }
+        self.tangent.effect_is_kept = self.keeps_effect();
+        self.ways = self.ways_of_bodies();
         self.weights.parts = parts(&self.flow.operator.share, flow.start, layout.cell_len());
         self.inverse_pseudo_time = vec![0.0; self.fields.len()];
         let len = self.flow.operator.mesh.field_len() * self.flow.operator.tables.orders.time;
@@ -112,10 +108,11 @@ impl<const D: usize, const M: usize> System<D, M> {
         self.mesh_range().len()
     }
 
-    /// How Krylov vectors are stored. Without bodies in single precision, like the numbers inside the preconditioner of the flow: the mesh
-    /// is solved ahead, so its part of the vectors is zero up to round-off. Bodies need double precision.
+    /// How Krylov vectors are stored. In single precision, like the numbers inside the preconditioner of the flow, where the mesh is solved
+    /// ahead or follows bodies whose effect is kept. Then the mesh's part of the vectors is zero up to round-off, or absent. Otherwise the
+    /// effect of the mesh that the preconditioner has taken would not be that of the rounded vector.
     pub fn krylov_precision(&self) -> Precision {
-        if self.bodies.is_empty() { Precision::Single } else { Precision::Double }
+        if self.bodies.is_empty() || self.tangent.effect_is_kept { Precision::Single } else { Precision::Double }
     }
 
     /// The part of z of body number `body`.
@@ -137,16 +134,30 @@ impl<const D: usize, const M: usize> System<D, M> {
 
     /// Calls `act` with every block, its part of z, and its 1/dtau.
     fn each(&mut self, mut act: impl FnMut(&mut dyn Block, Range<usize>, f64, &mut Exchange, &mut Exchange)) {
-        let System { bodies, mesh, flow, exchange, tangent, ranges, fields, inverse_pseudo_time, .. } = self;
-        let rate = |range: &Range<usize>| {
-            fields.iter().position(|field| field.range == *range).map_or(0.0, |field| inverse_pseudo_time[field])
-        };
-        for (body, range) in bodies.iter_mut().zip(&*ranges) {
-            act(&mut **body, range.clone(), rate(range), exchange, tangent);
+        self.each_body(&mut act);
+        self.mesh_and_flow(act);
+    }
+
+    /// [`Self::each`] for the blocks of bodies.
+    fn each_body(&mut self, mut act: impl FnMut(&mut dyn Block, Range<usize>, f64, &mut Exchange, &mut Exchange)) {
+        for number in 0..self.bodies.len() {
+            let (range, rate) = (self.ranges[number].clone(), self.inverse_pseudo_time_of(number));
+            act(&mut *self.bodies[number], range, rate, &mut self.exchange, &mut self.tangent);
         }
-        let [of_mesh, of_flow] = [&ranges[bodies.len()], &ranges[bodies.len() + 1]];
-        act(mesh, of_mesh.clone(), rate(of_mesh), exchange, tangent);
-        act(flow, of_flow.clone(), rate(of_flow), exchange, tangent);
+    }
+
+    /// [`Self::each`] for the other blocks.
+    fn mesh_and_flow(&mut self, mut act: impl FnMut(&mut dyn Block, Range<usize>, f64, &mut Exchange, &mut Exchange)) {
+        let bodies = self.bodies.len();
+        let [of_mesh, of_flow] = [bodies, bodies + 1].map(|number| self.inverse_pseudo_time_of(number));
+        act(&mut self.mesh, self.ranges[bodies].clone(), of_mesh, &mut self.exchange, &mut self.tangent);
+        act(&mut self.flow, self.ranges[bodies + 1].clone(), of_flow, &mut self.exchange, &mut self.tangent);
+    }
+
+    /// 1/dtau of block number `block`; zero where it has no unknowns.
+    fn inverse_pseudo_time_of(&self, block: usize) -> f64 {
+        let field = self.fields.iter().position(|field| field.range == self.ranges[block]);
+        field.map_or(0.0, |field| self.inverse_pseudo_time[field])
     }
 
     /// Evaluates all data of this and of later slabs at `time`: a steady state depends on one time, although its slabs are long.
@@ -180,7 +191,6 @@ impl<const D: usize, const M: usize> System<D, M> {
     fn reset_walls(&mut self) {
         if !self.bodies.is_empty() {
             self.mesh.prescribe(&mut self.exchange);
-            self.tangent.wall_displacement.fill(0.0);
         }
     }
 
@@ -235,20 +245,12 @@ impl<const D: usize, const M: usize> System<D, M> {
 
     /// Block lower triangular: each block after the effect of the blocks before it.
     fn apply_inverses(&mut self, r: &[f64], out: &mut [f64]) {
-        self.reset_walls();
-        self.each(|block, range, _, _, tangent| block.precondition(&r[range.clone()], tangent, &mut out[range]));
-    }
-
-    /// Whether the effect of the mesh is that of an earlier point of linearisation, and too large for that. The first residual after a
-    /// linearisation decides.
-    fn must_take_effect_anew(&mut self, r: &[f64]) -> bool {
-        let range = self.flow_range();
-        let Some(effect) = self.flow.unjudged_effect() else { return false };
-        let mut full = vec![0.0; r.len()];
-        full[range.clone()].copy_from_slice(effect);
-        let norm = |x: &[f64]| self.weights.norm_on(range.clone(), x);
-        let is_small = norm(&full) <= SMALL_EFFECT * norm(r);
-        self.flow.judge_effect(is_small)
+        let bodies = self.mesh_range().start;
+        self.each_body(|block, range, _, _, tangent| block.precondition(&r[range.clone()], tangent, &mut out[range]));
+        self.move_along(&out[..bodies]);
+        self.mesh_and_flow(|block, range, _, _, tangent| {
+            block.precondition(&r[range.clone()], tangent, &mut out[range]);
+        });
     }
 
     /// The norm of each field of a residual.
@@ -309,7 +311,8 @@ impl<const D: usize, const M: usize> NonlinearProblem for System<D, M> {
     }
 
     fn jacobian_product(&mut self, direction: &[f64], out: &mut [f64]) {
-        self.reset_walls();
+        let bodies = self.mesh_range().start;
+        self.move_along(&direction[..bodies]);
         self.each(|block, range, _, _, tangent| block.product(&direction[range.clone()], tangent, &mut out[range]));
         self.each(|block, range, _, _, tangent| block.receive_product(tangent, &mut out[range]));
     }

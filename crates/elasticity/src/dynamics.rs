@@ -29,7 +29,7 @@ pub struct Dynamics<const D: usize> {
 }
 
 /// The report of a slab.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct DynamicsReport {
     /// Corrections of the guess.
     pub corrections: usize,
@@ -37,6 +37,9 @@ pub struct DynamicsReport {
     pub iterations: usize,
     /// The terms of (energy).
     pub work: SlabWork,
+    /// The force of the supports on the structure, `[C0 node][component]`, zero at free entries: its mean over the slab, or without
+    /// inertia its value at the top.
+    pub reaction: Vec<f64>,
 }
 
 impl<const D: usize> Dynamics<D> {
@@ -84,6 +87,7 @@ impl<const D: usize> Dynamics<D> {
         let mut r = vec![0.0; v.len()];
         slab.residual(&forces, v, &mut r)?;
         report.work = slab.work(&forces, v, &r);
+        report.reaction = slab.reaction(&r);
         Ok(report)
     }
 
@@ -129,6 +133,7 @@ impl<const D: usize> Dynamics<D> {
     fn factor_for(&mut self, dt: f64, bottom: SlabBottom<'_>) -> Result<(), ElasticityError> {
         let dt = nominal_length(dt, self.step);
         if self.modal.dt() != dt || !self.structure.law().is_linear() {
+            let _timed = tracing::trace_span!(target: "cost", "preconditioner_setup").entered();
             let of = SlabSystems { position: bottom.displacement, ..alone(dt) };
             self.modal = ModalSolver::new(&self.structure, self.motion.time(), of)?;
         }

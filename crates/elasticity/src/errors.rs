@@ -69,6 +69,12 @@ pub enum ElasticityError {
         /// The error of the factorisation.
         cause: String,
     },
+    /// The supports of a structure leave it a rigid motion, which takes no energy.
+    #[error(
+        "the structure can move as a rigid body, and has no equilibrium then: give a support in `structure.boundary`, \"fixed\" or held along \
+         more axes"
+    )]
+    RigidMotion,
     /// The stiffness matrix is not factored, for another reason.
     #[error("the stiffness matrix is not factored")]
     Factorisation(#[source] sparse::Error),

@@ -10,7 +10,7 @@ use crate::shifted::Shifted;
 use crate::structure_slab::StructureSlab;
 use crate::{ElasticityError, Inversion, Structure};
 use newton_krylov::forcing;
-use newton_krylov::newton::Settings;
+use newton_krylov::newton::{Error, Settings};
 use newton_krylov::problem::Inadmissible;
 
 /// Relative tolerance of a preconditioner that is a solve.
@@ -18,6 +18,9 @@ const PRECONDITIONER_TOLERANCE: f64 = 1e-2;
 
 /// The residual is this small against the forces in it, or rounding.
 const TOLERANCE: f64 = 1e-12;
+
+/// A solve that fails has converged if its residual is below this part of the forces: only rounding is left.
+const ROUNDING_LEFT: f64 = 1e-11;
 
 /// If the forces at the solution are less than this part of those at the guess, the solution is not accurate enough for them.
 const SMALLER: f64 = 0.1;
@@ -46,8 +49,16 @@ pub(crate) fn solve(
     };
     let (mut work, mut forces) = (Work::default(), forces_at(x)?);
     loop {
-        let report = nonlinear::solve(equations, x, forces, settings)
-            .map_err(|error| ElasticityError::LargeDisplacement { time, source: Box::new(error) })?;
+        let report = match nonlinear::solve(equations, x, forces, settings) {
+            Ok(report) => report,
+            // No step lowers a residual of rounding.
+            Err(Error::LineSearch { report, .. } | Error::Krylov { report, .. })
+                if report.final_norm() <= ROUNDING_LEFT * forces_at(x)? =>
+            {
+                *report
+            }
+            Err(error) => return Err(ElasticityError::LargeDisplacement { time, source: Box::new(error) }),
+        };
         work.steps += report.steps.len();
         work.iterations += report.krylov_iterations;
         let before = std::mem::replace(&mut forces, forces_at(x)?);
@@ -78,10 +89,12 @@ impl<const D: usize> ElasticEquations for StructureMotion<'_, D> {
         Ok(())
     }
     fn product(&self, v: &[f64], w: &[f64], out: &mut [f64]) {
+        let _timed = tracing::trace_span!(target: "cost", "product").entered();
         self.slab.product(v, w, out);
         self.slab.structure.at_fixed(out, |i| w[i]);
     }
     fn precondition(&mut self, r: &[f64], w: &mut [f64]) {
+        let _timed = tracing::trace_span!(target: "cost", "preconditioner").entered();
         w.copy_from_slice(r);
         let _ = self.modal.solve(self.slab.structure, self.slab.dt, PRECONDITIONER_TOLERANCE, w);
     }
@@ -127,13 +140,16 @@ impl<const D: usize> ElasticEquations for StructureEquilibrium<'_, D> {
         Ok(())
     }
     fn linearise(&mut self, d: &[f64]) {
+        let _timed = tracing::trace_span!(target: "cost", "preconditioner_setup").entered();
         self.shifted = self.structure.shifted(0.0, Vec::new(), d).ok();
     }
     fn product(&self, d: &[f64], w: &[f64], out: &mut [f64]) {
+        let _timed = tracing::trace_span!(target: "cost", "product").entered();
         (self.stiffness)(d, w, out);
         self.structure.at_fixed(out, |i| w[i]);
     }
     fn precondition(&mut self, r: &[f64], w: &mut [f64]) {
+        let _timed = tracing::trace_span!(target: "cost", "preconditioner").entered();
         w.copy_from_slice(r);
         if let Some(shifted) = &self.shifted {
             shifted.low_order.apply(r, w);
@@ -141,5 +157,41 @@ impl<const D: usize> ElasticEquations for StructureEquilibrium<'_, D> {
     }
     fn round_off(&self, d: &[f64]) -> Option<f64> {
         Some(rounding(self.scales, d))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// r(x) = |x - 1| + `noise`, which no step lowers below twice the noise.
+    struct Noisy {
+        noise: f64,
+    }
+
+    impl ElasticEquations for Noisy {
+        const FIELD: &'static str = "structure";
+
+        fn residual(&self, x: &[f64], r: &mut [f64]) -> Result<(), Inadmissible> {
+            r[0] = (x[0] - 1.0).abs() + self.noise;
+            Ok(())
+        }
+        fn product(&self, _: &[f64], w: &[f64], out: &mut [f64]) {
+            out.copy_from_slice(w);
+        }
+        fn precondition(&mut self, r: &[f64], w: &mut [f64]) {
+            w.copy_from_slice(r);
+        }
+    }
+
+    /// A line search that met rounding just above the tolerance was an error, although the solution was found.
+    #[test]
+    fn a_line_search_that_fails_at_rounding_has_converged() {
+        let solve = |noise: f64| {
+            let mut x = [2.0];
+            solve(&mut Noisy { noise }, &|_| Ok(1.0), 0.0, &mut x).map(|_| x[0])
+        };
+        assert!(solve(2e-12).is_ok_and(|x| (x - 1.0).abs() < 1e-11));
+        assert!(matches!(solve(1e-9), Err(ElasticityError::LargeDisplacement { .. })));
     }
 }

@@ -33,10 +33,10 @@ impl<const D: usize> Statics<D> {
     /// The equilibria of `structure` under `loads` at `time_order` nodes per slab.
     ///
     /// # Errors
-    /// [`ElasticityError::NotDefinite`] if too few entries are fixed; an error if a sub-cell between Gauss-Lobatto nodes
+    /// [`ElasticityError::RigidMotion`] if too few entries are fixed; an error if a sub-cell between Gauss-Lobatto nodes
     /// is inverted.
     pub fn new(structure: Structure<D>, loads: Loads<D>, time_order: usize) -> Result<Self, ElasticityError> {
-        let stiffness = structure.shifted(0.0, Vec::new(), &[])?;
+        let stiffness = structure.stiffness_at_rest()?;
         let (scales, motion) = (structure.force_scales(0.0), SlabMotion::new(RadauTime::new(time_order)));
         Ok(Statics { structure, loads, motion, stiffness, scales })
     }
@@ -125,6 +125,9 @@ impl<const D: usize> Statics<D> {
             self.structure.load(&self.loads, t, f)?;
             report.iterations += self.balance(t, f, d)?;
             self.imbalance(t, f, d, r)?;
+            // That of the last node, the top, stays.
+            report.reaction = vec![0.0; length];
+            self.structure.at_fixed(&mut report.reaction, |i| r[i]);
             // Equilibrium holds at the time nodes, so follower pressures work there too.
             self.structure.add_pressures(&self.loads, t, d, f);
             r.iter_mut().for_each(|r| *r *= dt * time.weights()[a]);
@@ -144,12 +147,20 @@ impl<const D: usize> Structure<D> {
     /// others. Returns the CG iterations.
     ///
     /// # Errors
-    /// [`ElasticityError::NotDefinite`] or [`ElasticityError::Solver`] if too few entries are fixed.
+    /// [`ElasticityError::RigidMotion`] or [`ElasticityError::Solver`] if too few entries are fixed.
     pub fn equilibrium(&self, f: &[f64], d: &mut [f64]) -> Result<usize, ElasticityError> {
-        self.balance((&self.shifted(0.0, Vec::new(), &[])?, &self.force_scales(0.0)), 0.0, f, d)
+        self.balance((&self.stiffness_at_rest()?, &self.force_scales(0.0)), 0.0, f, d)
     }
 
-    /// The same with the preconditioner of K and the `scales` of forces, at time `t`.
+    /// The preconditioner of K at rest. Without stress only a rigid motion takes no energy.
+    fn stiffness_at_rest(&self) -> Result<Shifted<D>, ElasticityError> {
+        self.shifted(0.0, Vec::new(), &[]).map_err(|error| match error {
+            ElasticityError::NotDefinite { .. } => ElasticityError::RigidMotion,
+            error => error,
+        })
+    }
+
+    /// The same as `equilibrium` with the preconditioner of K and the `scales` of forces, at time `t`.
     fn balance(
         &self,
         (stiffness, scales): (&Shifted<D>, &[f64]),

@@ -188,6 +188,15 @@ impl<const D: usize> StructureSlab<'_, D> {
         work
     }
 
+    /// The mean force of the supports on the structure over the slab, sum_a R_a / dt at fixed entries and zero elsewhere, for the residual
+    /// `r` of (dynamics). The phi_a add up to 1, so this force closes the balance of momentum of the slab.
+    pub fn reaction(&self, r: &[f64]) -> Vec<f64> {
+        let (mut sum, mut reaction) = (vec![0.0; self.structure.length()], vec![0.0; self.structure.length()]);
+        accumulate(1.0 / self.dt, r, &vec![1.0; self.motion.time().order()], &mut sum);
+        self.structure.at_fixed(&mut reaction, |i| sum[i]);
+        reaction
+    }
+
     /// [d].K[d]/2
     fn energy_of_jump(&self, v: &[f64]) -> f64 {
         let at_bottom = self.motion.time().values(0.0);

@@ -80,6 +80,36 @@ fn energy_is_what_loads_and_supports_have_worked_minus_what_jumps_take() {
     }
 }
 
+/// The reactions of a support that moves and the loads change the momentum of the body, to rounding.
+#[test]
+fn reactions_close_the_balance_of_momentum() {
+    for order in 1..=3 {
+        let body = structure(box_mesh([1.0, 0.5], [2, 1], 4, 0.02), material(), 3.0, |name| [name == "left"; 2]);
+        let loads = Loads { body_force: Some(Box::new(|_, _| [0.3, -2.0])), ..Default::default() };
+        let mut run = Run::new(body, loads, order, 0.2);
+        let momentum = |run: &Run<2>| {
+            let mut momentum = vec![0.0; run.velocity.len()];
+            run.dynamics.structure().apply_mass(&run.velocity, &mut momentum);
+            sums(&momentum)
+        };
+        for _ in 0..4 {
+            let before = momentum(&run);
+            let report = run.advance(0.2, |x, t| [0.1 * (3.0 * t).cos() * x[1], (2.0 * t).sin()]);
+            let (reaction, after) = (sums(&report.reaction), momentum(&run));
+            for (i, load) in [0.15, -1.0].into_iter().enumerate() {
+                let error = after[i] - before[i] - 0.2 * (reaction[i] + load);
+                assert!(error.abs() < 1e-10, "N_t = {order}, axis {i}: {error:e}, {reaction:?}");
+            }
+            assert!(reaction[1].abs() > 1e-3);
+        }
+    }
+}
+
+/// The sum of the nodal `forces`, along each axis.
+fn sums(forces: &[f64]) -> [f64; 2] {
+    [0, 1].map(|i| forces.chunks_exact(2).map(|force| force[i]).sum())
+}
+
 /// A free body falls like a point: d = a t^2 / 2 is a polynomial of the slab for N_t >= 2.
 #[test]
 fn a_free_body_falls_without_deforming() {

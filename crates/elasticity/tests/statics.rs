@@ -4,7 +4,7 @@
 mod common;
 
 use common::{body_force, box_mesh, displacement, structure};
-use elasticity::{Law, Loads, Material, MaterialProperty, Plane, Solid, Statics, Structure, Traction};
+use elasticity::{ElasticityError, Law, Loads, Material, MaterialProperty, Plane, Solid, Statics, Structure, Traction};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use std::sync::Arc;
 use tensor::Transcendental;
@@ -194,4 +194,16 @@ fn formulas_of_constants_are_the_constants() {
     let (one, other) = (forces(uniform), forces(formulas));
     let largest = one.iter().fold(0.0, |m: f64, f| m.max(f.abs()));
     assert!(one.iter().zip(&other).all(|(a, b)| (a - b).abs() < 1e-13 * largest));
+}
+
+/// A body that its supports let move was told of a pivot of its stiffness.
+#[test]
+fn a_body_that_can_move_is_told_so() {
+    let free = |fixed: [bool; 2]| {
+        let body = structure(box_mesh([1.0, 0.1], [4, 1], 4, 0.0), Material::new(1000.0, 0.3).unwrap(), 1.0, |_| fixed);
+        Statics::new(body, Loads::default(), 1).err()
+    };
+    assert_eq!(free([false; 2]), Some(ElasticityError::RigidMotion));
+    assert_eq!(free([true, false]), Some(ElasticityError::RigidMotion));
+    assert_eq!(free([true; 2]), None);
 }

@@ -7,7 +7,7 @@ use crate::mode::Values;
 use crate::point::{Condition, Kernel, KernelTypes, PointIndex, Types, load};
 use crate::scratch::{FacetScratch, through_len};
 use crate::tensor_product::{AtPoints, Lattice, evaluate};
-use crate::time_points::{InTime, TimePoint, TimePointIndex};
+use crate::time_points::{DataTime, InTime, TimePoint, TimePointIndex};
 use basis::Matrix;
 use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
@@ -187,7 +187,7 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
 /// ```
 ///
 /// with w_b the velocity of the boundary as the mesh moves. w is the same, or the prescribed velocity of the boundary at that
-/// time.
+/// time. It slides with the exact data of that time, w_b with those of the flux.
 pub struct FacetFlux<'a, 'c, const D: usize, const M: usize, L: ConservationLaw<D, M>> {
     /// The conservation law.
     pub law: &'c L,
@@ -212,6 +212,8 @@ pub struct FluxTime<'a> {
     pub position_row: &'a Matrix,
     /// Whether w of (power) comes from `boundary_velocity` of the scratch instead of from the mesh.
     pub velocity_is_given: bool,
+    /// At the top of a slab the times of (data at top), which hold where the gas takes the values of the data.
+    pub data_times: Option<&'a [DataTime]>,
 }
 
 impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for FacetFlux<'_, '_, D, M, L> {
@@ -220,7 +222,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for Face
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let FacetFlux { law, condition, context, time, data, scratch } = self;
-        let FluxTime { time_point, position_row, velocity_is_given } = time;
+        let FluxTime { time_point, position_row, velocity_is_given, data_times } = time;
         let kernel = Kernel::new(simd, law, context.tables, PhantomData::<Values>);
         let of = TimePointIndex::ALONE;
         let in_time =
@@ -232,6 +234,10 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for Face
         kernel.velocity_of_work(velocity_is_given, scratch);
         kernel.positions(of, scratch);
         kernel.boundary_data(context.clock.time(time_point.s), of, data, scratch);
+        scratch.work_data.copy_from_slice(&scratch.data);
+        if let Some(times) = data_times.filter(|_| law.imposes_data(condition)) {
+            kernel.data_at_top(times, data, scratch);
+        }
         kernel.flux_through(condition, scratch);
     }
 }
@@ -252,7 +258,9 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, S: Simd> Kernel<'
                 let (x, area) = (self.geometry(&scratch.x, at), here.area * here.weight);
                 let (data, at_work) = (self.geometry(&scratch.data, at), self.geometry(&scratch.work_velocity, at));
                 let moving = BoundaryPoint { normal: &here.n, velocity: &here.v, data: &data };
-                let at_work = law.boundary_velocity(condition, BoundaryPoint { velocity: &at_work, ..moving });
+                let work_data = self.geometry(&scratch.work_data, at);
+                let at_work = BoundaryPoint { normal: &here.n, velocity: &at_work, data: &work_data };
+                let at_work = law.boundary_velocity(condition, at_work);
                 let moving = law.boundary_velocity(condition, moving);
                 let [pushing, rubbing] = [law.momentum(&flux.inviscid), law.momentum(&flux.viscous)];
                 let work = power(&pushing, &at_work) + power(&rubbing, &at_work);
@@ -265,6 +273,24 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, S: Simd> Kernel<'
                 self.add(heat * area, &mut powers[1], part);
             }
         }
+    }
+
+    /// (data at top), from positions and velocities at the points.
+    fn data_at_top(self, times: &[DataTime], data: Option<DataAt>, scratch: &mut FacetScratch) {
+        let Some(data) = data else { return };
+        let len = D * self.tables.facet_points();
+        let velocity = &scratch.geometry[len..2 * len];
+        let (mut then, mut sum) = (scratch.x.clone(), vec![Pack::ZERO; scratch.data.len()]);
+        for &DataTime { time, before, share } in times {
+            for ((then, x), v) in then.iter_mut().zip(&scratch.x).zip(velocity) {
+                then.0 = std::array::from_fn(|lane| x.0[lane] - before * v.0[lane]);
+            }
+            data(time, &then, &mut scratch.data);
+            for (sum, data) in sum.iter_mut().zip(&scratch.data) {
+                sum.0 = std::array::from_fn(|lane| sum.0[lane] + share * data.0[lane]);
+            }
+        }
+        scratch.data.copy_from_slice(&sum);
     }
 
     /// The velocity at which forces do work, at the points.

@@ -208,9 +208,13 @@ impl Share {
 
     /// The own part of `whole`, `len` numbers for every cell of the whole mesh.
     pub fn own_part(&self, whole: &[f64]) -> Vec<f64> {
-        let len = whole.len() / self.whole;
-        self.own.iter().flat_map(|&cell| whole[cell * len..(cell + 1) * len].iter().copied()).collect()
+        numbers_of(self.own.iter().copied(), whole, whole.len() / self.whole)
     }
+}
+
+/// The numbers of `cells`, of which every cell has `len` in `values`.
+fn numbers_of(cells: impl Iterator<Item = usize>, values: &[f64], len: usize) -> Vec<f64> {
+    cells.flat_map(|cell| &values[cell * len..(cell + 1) * len]).copied().collect()
 }
 
 /// The cells `own` in increasing order, with their places.

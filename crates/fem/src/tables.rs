@@ -1,7 +1,7 @@
 //! One-dimensional matrices of a slab space, which the kernels contract with.
 
 use crate::collocation::Collocation;
-use crate::time_points::TimePoint;
+use crate::time_points::{Clock, DataTime, TimePoint};
 use basis::{Lagrange, Matrix, RadauTime, Rule, gauss, gauss_lobatto};
 use tensor::Pack;
 
@@ -218,6 +218,18 @@ pub struct Tables<const D: usize> {
 }
 
 impl<const D: usize> Tables<D> {
+    /// The times of (data at top) in a slab of length `dt`.
+    pub fn data_times(&self, clock: Clock, dt: f64) -> Vec<DataTime> {
+        let tested = |point: &TimePoint| point.weight * point.values.row(0).last().copied().unwrap_or(1.0);
+        let sum: f64 = self.time_points.iter().map(tested).sum();
+        let at = |point: &TimePoint| DataTime {
+            time: clock.time(point.s),
+            before: (1.0 - point.s) * dt,
+            share: tested(point) / sum,
+        };
+        self.time_points.iter().map(at).collect()
+    }
+
     /// Tables for `orders`, each in 1..=16 (2..=16 in space), and a state of `components`.
     pub fn new(orders: Orders, components: usize, quadrature: Quadrature) -> Self {
         let rule = quadrature.space_rule(D, orders);

@@ -8,25 +8,63 @@ use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use tensor::norm;
 
+/// A face that is a strip of straight lines along z, along an arc in the plane x, y with the domain on its right.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Strip {
+    /// Where the arc begins and ends.
+    pub ends: [[f64; 2]; 2],
+    /// The C0 nodes of the lines there.
+    pub end_nodes: [Vec<usize>; 2],
+    /// The speeds |dx/dxi| at points of the arc.
+    pub speeds: Vec<f64>,
+    /// The points of the face on the line through each of them, axis 0 of the face fastest.
+    pub lines: Vec<Vec<usize>>,
+}
+
 /// A face along a curve in the plane x, y. In space it is a strip of straight lines along z.
 struct Arc {
+    /// The axis of the lattice of the face that is along z; in the plane 1.
+    across: usize,
+    /// The curve through the nodes of the mesh, from the start on.
+    curve: Vec<[f64; 2]>,
+    /// Whether it passes the nodes of the face in decreasing order.
+    is_reversed: bool,
     /// Its C0 nodes: rows along the curve, one in the plane, in space one for each height, the lowest first.
     rows: Vec<Vec<usize>>,
     /// The length of the curve up to the nodes of a row.
     lengths: Vec<f64>,
-    /// Where it begins.
-    start: [f64; 2],
-    /// Where it ends.
-    end: [f64; 2],
     /// z of the lowest row.
     height: f64,
 }
 
 impl Arc {
+    fn start(&self) -> [f64; 2] {
+        self.curve[0]
+    }
+
+    fn end(&self) -> [f64; 2] {
+        self.curve[self.curve.len() - 1]
+    }
+
     /// Where its lowest row begins and ends, with the nodes.
     fn ends(&self) -> [([f64; 2], usize); 2] {
         let row = &self.rows[0];
-        [(self.start, row[0]), (self.end, row[row.len() - 1])]
+        [(self.start(), row[0]), (self.end(), row[row.len() - 1])]
+    }
+
+    /// The same, with `points` along the curve and along z.
+    fn strip(self, points: &[f64]) -> Strip {
+        let n = points.len();
+        let lines = (0..n).map(|k| (0..n).map(|row| index(self.across, n, k, row)).collect());
+        let speeds = speeds(&self.curve, points);
+        let mut lines: Vec<Vec<usize>> = lines.collect();
+        if self.is_reversed {
+            // The points lie symmetrically, so that only those of the face turn round.
+            lines.reverse();
+        }
+        let column = |k: usize| self.rows.iter().map(|row| row[k]).collect();
+        let end_nodes = [column(0), column(self.rows[0].len() - 1)];
+        Strip { ends: [self.start(), self.end()], end_nodes, speeds, lines }
     }
 }
 
@@ -37,12 +75,13 @@ impl<const D: usize> Mesh<D> {
     /// In three dimensions the same for a wall that is such a curve extruded along z.
     /// `None` for other boundaries.
     pub fn arc_fractions(&self, numbering: &NodeNumbering, boundary: usize) -> Option<BTreeMap<usize, f64>> {
-        let arcs: Vec<Arc> = self.sides_of(boundary).map(|side| self.arc(numbering, side)).collect::<Option<_>>()?;
+        let arcs: Vec<Arc> =
+            self.sides_of(boundary).map(|side| self.arc(numbering, side, 0.0)).collect::<Option<_>>()?;
         let lowest = arcs.iter().map(|arc| arc.height).fold(f64::INFINITY, f64::min);
         let of_curve = follow(arcs.iter().filter(|arc| arc.height == lowest).collect())?;
         let mut fractions = BTreeMap::new();
         for arc in &arcs {
-            let of_row = of_curve.get(&place(arc.start))?;
+            let of_row = of_curve.get(&place(arc.start()))?;
             for row in &arc.rows {
                 fractions.extend(row.iter().copied().zip(of_row.iter().copied()));
             }
@@ -52,32 +91,35 @@ impl<const D: usize> Mesh<D> {
         Some(fractions)
     }
 
+    /// The face `side` of a mesh in three dimensions as a strip with the Gauss `points` along its arc. x and y on its lines along z differ by
+    /// `tolerance` at most. `None` if it is not such a strip.
+    pub fn strip(&self, numbering: &NodeNumbering, side: Side, points: &[f64], tolerance: f64) -> Option<Strip> {
+        (D == 3).then(|| self.arc(numbering, side, tolerance))?.map(|arc| arc.strip(points))
+    }
+
     /// The face `side` with the domain on its right; None if it is not a strip along z.
-    fn arc(&self, numbering: &NodeNumbering, side: Side) -> Option<Arc> {
+    fn arc(&self, numbering: &NodeNumbering, side: Side, tolerance: f64) -> Option<Arc> {
         let (n, m) = (self.order, numbering.order());
         let positions = self.face_positions(side);
         // The axis of the lattice of the face that is along z: one of two.
-        let across = if D == 2 { 1 } else { (0..2).find(|&axis| is_along_z(&positions, n, axis))? };
-        let index = |n: usize, along: usize, row: usize| if across == 0 { row + n * along } else { along + n * row };
-        let curve: Vec<[f64; 2]> = (0..n).map(|k| from_fn(|i| positions[index(n, k, 0)][i])).collect();
+        let across = if D == 2 { 1 } else { (0..2).find(|&axis| is_along_z(&positions, n, axis, tolerance))? };
+        let mut curve: Vec<[f64; 2]> = (0..n).map(|k| from_fn(|i| positions[index(across, n, k, 0)][i])).collect();
         let nodes = numbering.face::<D>(side);
         let count = if D == 2 { 1 } else { m };
         let mut rows: Vec<Vec<usize>> =
-            (0..count).map(|row| (0..m).map(|k| nodes[index(m, k, row)]).collect()).collect();
-        let (mut lengths, [mut start, mut end]) = (lengths(&curve, m), [curve[0], curve[n - 1]]);
-        if self.is_domain_left(side, [curve[0], curve[n - 1]]) {
-            let whole = lengths[m - 1];
+            (0..count).map(|row| (0..m).map(|k| nodes[index(across, m, k, row)]).collect()).collect();
+        let is_reversed = self.is_domain_left(side, [curve[0], curve[n - 1]]);
+        if is_reversed {
+            curve.reverse();
             rows.iter_mut().for_each(|row| row.reverse());
-            lengths.reverse();
-            lengths.iter_mut().for_each(|length| *length = whole - *length);
-            std::mem::swap(&mut start, &mut end);
         }
-        let height = |row: usize| positions[index(n, 0, row)][D - 1];
+        let height = |row: usize| positions[index(across, n, 0, row)][D - 1];
         if D == 3 && height(n - 1) < height(0) {
             rows.reverse();
         }
         let height = if D == 2 { 0.0 } else { height(0).min(height(n - 1)) };
-        Some(Arc { rows, lengths, start, end, height })
+        let lengths = lengths(&curve, m);
+        Some(Arc { across, curve, is_reversed, rows, lengths, height })
     }
 
     /// Whether the domain is on the left of a face that runs between `ends` in the plane. The right of (t_x, t_y) is (t_y, -t_x).
@@ -92,10 +134,15 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-/// Whether x and y of a lattice of `n` x `n` positions do not change along `axis`.
-fn is_along_z<const D: usize>(positions: &[[f64; D]], n: usize, axis: usize) -> bool {
+/// The number of a point in a lattice of `n` x `n` points of a face whose axis `across` counts the rows.
+fn index(across: usize, n: usize, along: usize, row: usize) -> usize {
+    if across == 0 { row + n * along } else { along + n * row }
+}
+
+/// Whether x and y of a lattice of `n` x `n` positions change along `axis` by `tolerance` at most.
+fn is_along_z<const D: usize>(positions: &[[f64; D]], n: usize, axis: usize, tolerance: f64) -> bool {
     let first = |k: usize| if axis == 0 { k / n * n } else { k % n };
-    (0..positions.len()).all(|k| positions[k][..2] == positions[first(k)][..2])
+    (0..positions.len()).all(|k| (0..2).all(|i| (positions[k][i] - positions[first(k)][i]).abs() <= tolerance))
 }
 
 /// A position as a key: positions of the same curve at several heights are the same numbers.
@@ -119,7 +166,7 @@ fn follow(arcs: Vec<&Arc>) -> Option<BTreeMap<[u64; 2], Vec<f64>>> {
         let arc = by_node.remove(&node)?;
         let row: Vec<f64> = arc.lengths.iter().map(|along| length + along).collect();
         (length, node) = (row[row.len() - 1], arc.rows[0][row.len() - 1]);
-        fractions.insert(place(arc.start), row);
+        fractions.insert(place(arc.start()), row);
         if node == first {
             break;
         }
@@ -141,15 +188,20 @@ pub fn curve_order(a: &[f64; 2], b: &[f64; 2]) -> Ordering {
 
 /// int_{-1}^{xi_k} |dx/dxi| dxi at the Gauss-Lobatto nodes xi_k of order `n`, for the curve through the nodes `positions`.
 fn lengths(positions: &[[f64; 2]], n: usize) -> Vec<f64> {
-    let (lagrange, rule) = (Lagrange::gauss_lobatto(positions.len()), gauss(2 * positions.len()));
+    let rule = gauss(2 * positions.len());
     let up_to = |xi: f64| {
         let half = 0.5 * (xi + 1.0);
         let points: Vec<f64> = rule.points.iter().map(|point| half * (point + 1.0) - 1.0).collect();
-        let derivatives = lagrange.derivative_matrix(&points);
-        let speed = |q: usize| {
-            norm(&from_fn::<f64, 2, _>(|i| derivatives.row(q).iter().zip(positions).map(|(l, x)| l * x[i]).sum()))
-        };
-        (0..points.len()).map(|q| half * rule.weights[q] * speed(q)).sum()
+        speeds(positions, &points).iter().zip(&rule.weights).map(|(speed, weight)| half * weight * speed).sum()
     };
     gauss_lobatto(n).points.iter().map(|&xi| up_to(xi)).collect()
+}
+
+/// |dx/dxi| at `points` of the curve through the nodes `positions`.
+fn speeds(positions: &[[f64; 2]], points: &[f64]) -> Vec<f64> {
+    let derivatives = Lagrange::gauss_lobatto(positions.len()).derivative_matrix(points);
+    let speed = |q: usize| {
+        norm(&from_fn::<f64, 2, _>(|i| derivatives.row(q).iter().zip(positions).map(|(l, x)| l * x[i]).sum()))
+    };
+    (0..points.len()).map(speed).collect()
 }

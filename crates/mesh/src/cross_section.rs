@@ -2,11 +2,17 @@
 //!
 //! Every cell must be extruded along these axes: moving along one axis of its reference cell changes one of these coordinates alone, and no
 //! other reference axis changes it.
+//!
+//! ```text
+//! w_j = int l_j(xi) |dx/dxi| dxi,    l_j the polynomials of the nodes along the axis, of all axes their product           (weight of a node)
+//! ```
+//!
+//! With them the mean of a polynomial through the nodes is exact, also where the nodes of a cell of the mesh are not evenly spaced.
 
 use crate::Mesh;
 use crate::geometry::CellMap;
 use crate::lattice::digit;
-use basis::gauss_lobatto;
+use basis::{Lagrange, Matrix, gauss, gauss_lobatto};
 
 /// Positions agree if they differ by less than this fraction of the diameter of the mesh.
 const TOLERANCE: f64 = 1e-9;
@@ -58,7 +64,8 @@ impl<const D: usize> Mesh<D> {
         let rule = gauss_lobatto(order);
         let seen = View::<D> {
             map: CellMap::on_grid(self.order, &rule.points),
-            weights: &rule.weights,
+            nodes: order,
+            lengths: &length_matrix(order, self.order),
             along,
             remaining: &remaining,
             tolerance: TOLERANCE * self.diameter(),
@@ -76,7 +83,10 @@ impl<const D: usize> Mesh<D> {
 /// How the cells are seen.
 struct View<'a, const D: usize> {
     map: CellMap<D>,
-    weights: &'a [f64],
+    /// Nodes per direction.
+    nodes: usize,
+    /// Those of [`length_matrix`].
+    lengths: &'a Matrix,
     along: &'a [usize],
     remaining: &'a [usize],
     tolerance: f64,
@@ -85,29 +95,30 @@ struct View<'a, const D: usize> {
 impl<const D: usize> View<'_, D> {
     /// A cell, if it is extruded.
     fn cell(&self, cell: usize, coordinates: &[f64]) -> Option<Extruded> {
-        let (x, n) = (self.map.positions(coordinates), self.weights.len());
+        let (x, n) = (self.map.positions(coordinates), self.nodes);
         let reference: Vec<usize> =
             self.along.iter().map(|&axis| self.reference_axis(&x, axis)).collect::<Option<_>>()?;
+        let weights = self.weights(coordinates, &reference);
         let is_first = |node: &usize| reference.iter().all(|&axis| digit(*node, n, axis) == 0);
         let first: Vec<usize> = (0..x.len()).filter(is_first).collect();
         let points: Vec<Vec<f64>> =
             first.iter().map(|&node| self.remaining.iter().map(|&axis| x[node][axis]).collect()).collect();
         let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / points.len() as f64;
         let centre = (0..self.remaining.len()).map(mean).collect();
+        let weight = |node: usize| {
+            reference.iter().zip(&weights).map(|(&a, weights)| weights[digit(node, n, a)]).product::<f64>()
+        };
         let behind = |&start: &usize| -> Vec<LineNode> {
             let same =
                 |node: &usize| (0..D).all(|a| reference.contains(&a) || digit(*node, n, a) == digit(start, n, a));
-            (0..x.len())
-                .filter(same)
-                .map(|node| LineNode { cell, node, weight: self.weight(&x, &reference, node) })
-                .collect()
+            (0..x.len()).filter(same).map(|node| LineNode { cell, node, weight: weight(node) }).collect()
         };
         Some(Extruded { lines: first.iter().map(behind).collect(), centre, points })
     }
 
     /// The reference axis of a cell with the nodes `x` along which the coordinate `axis` alone changes, if no other axis changes it.
     fn reference_axis(&self, x: &[[f64; D]], axis: usize) -> Option<usize> {
-        let n = self.weights.len();
+        let n = self.nodes;
         // How far coordinate i goes along reference axis a.
         let reach = |a: usize, i: usize| {
             let origin = |node: usize| node - digit(node, n, a) * n.pow(a as u32);
@@ -120,14 +131,17 @@ impl<const D: usize> View<'_, D> {
         (0..D).find(is_along)
     }
 
-    /// The length, or the area, of the part of the cell along the reference axes `reference` that belongs to `node`.
-    fn weight(&self, x: &[[f64; D]], reference: &[usize], node: usize) -> f64 {
-        let n = self.weights.len();
-        let part = |(&a, &axis): (&usize, &usize)| {
-            let last = (n - 1) * n.pow(a as u32);
-            0.5 * (x[last][axis] - x[0][axis]).abs() * self.weights[digit(node, n, a)]
+    /// (weight of a node) for each node along each of the reference axes `reference` of a cell with these `coordinates`.
+    fn weights(&self, coordinates: &[f64], reference: &[usize]) -> Vec<Vec<f64>> {
+        let along = |(&a, &axis): (&usize, &usize)| {
+            let count = self.lengths.cols();
+            // A common offset would cost digits.
+            let x = |k: usize| coordinates[k * count.pow(a as u32) * D + axis] - coordinates[axis];
+            let sense = x(count - 1).signum();
+            let weight = |j: usize| self.lengths.row(j).iter().enumerate().map(|(k, l)| sense * l * x(k)).sum::<f64>();
+            (0..self.nodes).map(weight).collect()
         };
-        reference.iter().zip(self.along).map(part).product()
+        reference.iter().zip(self.along).map(along).collect()
     }
 
     /// The cells `stack` as one. `None` if their nodes do not lie behind each other.
@@ -143,6 +157,15 @@ impl<const D: usize> View<'_, D> {
         }
         Some(united)
     }
+}
+
+/// int l_j dL_k/dxi dxi, `[j][k]`, for the polynomials l_j of `order` nodes and L_k of the nodes of the mesh.
+fn length_matrix(order: usize, order_of_mesh: usize) -> Matrix {
+    let rule = gauss((order + order_of_mesh - 2).div_ceil(2));
+    let values = Lagrange::gauss_lobatto(order).value_matrix(&rule.points);
+    let slopes = Lagrange::gauss_lobatto(order_of_mesh).derivative_matrix(&rule.points);
+    let at = |q: usize, j: usize, k: usize| rule.weights[q] * values[(q, j)] * slopes[(q, k)];
+    Matrix::from_fn(order, order_of_mesh, |j, k| (0..rule.points.len()).map(|q| at(q, j, k)).sum())
 }
 
 /// The numbers of points that agree to `tolerance`, in the order of their coordinates.
@@ -216,6 +239,30 @@ mod tests {
         let mesh = Mesh { coordinates, ..straight };
         assert!(mesh.cross_section(3, &[2]).is_some());
         assert!(mesh.cross_section(3, &[0]).is_none() && mesh.cross_section(3, &[0, 2]).is_none());
+    }
+
+    /// The weights ignored the stretch of the mesh inside a cell.
+    #[test]
+    fn means_along_stretched_cells_are_exact() {
+        let straight = BoxMesh { order: 4, ..unit_box([1, 2]) }.build().unwrap();
+        let stretched = |x: &[f64; 2]| [x[0] + 0.9 * x[0] * (1.0 - x[0]) * (x[0] - 0.5), x[1]];
+        let coordinates = straight.coordinates.as_chunks::<2>().0.iter().flat_map(stretched).collect();
+        let mesh = Mesh { coordinates, ..straight }.scrambled(3);
+        // The last order has fewer nodes than the mesh.
+        for (order, power) in [(8, 2), (4, 1), (3, 0)] {
+            let map = CellMap::<2>::on_grid(4, &gauss_lobatto(order).points);
+            let section = mesh.cross_section(order, &[0]).unwrap();
+            for line in section.stacks.iter().flat_map(|stack| &stack.lines) {
+                let x = |node: &LineNode| map.positions(mesh.cell_coordinates(node.cell))[node.node][0];
+                let mean: f64 = line.iter().map(|node| node.weight * x(node).powi(power)).sum();
+                assert!((mean - 1.0 / f64::from(power + 1)).abs() < 1e-14, "{order}: {mean}");
+            }
+        }
+    }
+
+    fn unit_box(cells: [usize; 2]) -> BoxMesh<2> {
+        let curving = Curving::None;
+        BoxMesh { lower: [0.0; 2], upper: [1.0; 2], cells, order: 2, curving, periodic: [false; 2] }
     }
 
     #[test]

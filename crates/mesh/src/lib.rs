@@ -68,7 +68,7 @@ mod subset;
 mod topology;
 mod validity;
 
-pub use arcs::{curve_order, first_node};
+pub use arcs::{Strip, curve_order, first_node};
 pub use blocks::blocks;
 pub use boundary::outward_area;
 pub use cross_section::{CrossSection, LineNode, Stack, clusters};

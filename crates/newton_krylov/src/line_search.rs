@@ -41,7 +41,7 @@ pub struct Report {
 pub enum Error {
     /// The last trial was admissible, but the norm did not fall enough.
     #[error(
-        "the norm did not fall below {initial:e} along the increment: it is {norm:e} at step length {step_length:e}"
+        "the merit norm of the residual did not fall below {initial:e} along the increment: it is {norm:e} at step length {step_length:e}"
     )]
     NoDecrease {
         /// |G(0)|

@@ -39,13 +39,22 @@ pub enum OutputError {
         /// The missing result file.
         path: PathBuf,
     },
-    /// A result file is truncated, overwritten, or not a result file at all.
+    /// A result file is truncated or overwritten, or not even an HDF5 file.
     #[error("`{path}` is damaged: {reason}; restore it from a copy, or run the case anew")]
     Damaged {
         /// The file read.
         path: PathBuf,
         /// The mismatch.
         reason: String,
+    },
+    /// A whole HDF5 file that no run has sealed.
+    #[error(
+        "`{path}` is no result file of a run: it has no seal, as other files for ParaView, of averages, lines or walls; name the file \
+         `result.vtkhdf` of the run"
+    )]
+    NotSealed {
+        /// The file read.
+        path: PathBuf,
     },
     /// A checkpoint belongs to another case.
     #[error(

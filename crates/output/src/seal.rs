@@ -44,10 +44,23 @@ pub(crate) fn verify(path: &Path) -> Result<(), OutputError> {
     match read().map_err(|source: io::Error| file_error(path, source))? {
         Some((expected, found)) if found == expected => Ok(()),
         Some((_, found)) if found.starts_with(NAME) => Err(damaged("its contents do not match its checksum")),
-        _ => {
-            Err(damaged("its end is missing, or it is another file, such as one of averages or surfaces for ParaView"))
-        }
+        _ if is_whole_hdf5(path) => Err(OutputError::NotSealed { path: path.to_owned() }),
+        _ => Err(damaged("its end is missing, or it is no HDF5 file")),
     }
+}
+
+/// Whether a file ends where its HDF5 superblock, of version 2 or 3, says: nothing is missing, and no seal follows. libhdf5 may crash on
+/// damaged bytes, so it is not asked.
+fn is_whole_hdf5(path: &Path) -> bool {
+    // Signature, version, sizes of offsets and lengths, flags, base address, address of the extension, then the end of the file.
+    let agrees = || -> io::Result<bool> {
+        let (mut file, mut head, mut end) = (File::open(path)?, [0; 28], [0; 8]);
+        file.read_exact(&mut head)?;
+        file.read_exact(&mut end)?;
+        let is_known = head.starts_with(b"\x89HDF\r\n\x1a\n") && matches!(head[8], 2 | 3) && head[9] == 8;
+        Ok(is_known && u64::from_le_bytes(end) == file.metadata()?.len())
+    };
+    agrees().unwrap_or(false)
 }
 
 fn seal(length: u64, sum: Checksum) -> [u8; LENGTH] {

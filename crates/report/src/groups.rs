@@ -57,8 +57,9 @@ const SOLVER_CHARTS: [SolverChart; 10] = [
 ];
 
 /// Words for the kind of a quantity, singular and plural: quantities of one kind and wall share a chart.
-const KINDS: [(&str, &str); 12] = [
+const KINDS: [(&str, &str); 13] = [
     ("force", "forces"),
+    ("reaction", "reactions"),
     ("coefficient", "coefficients"),
     ("power", "power and heat flow"),
     ("heat_flow", "power and heat flow"),

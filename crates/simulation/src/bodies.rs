@@ -1,5 +1,6 @@
 //! Bodies that the flow moves, rigid or elastic: the construction of rigid ones, and the columns of all.
 
+use super::build::supported;
 use super::elastic_body::elastic_body;
 use case::expression::Program;
 use case::{Case, Flow, Freedom, SolidPart, Structure};
@@ -238,17 +239,28 @@ pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
     };
     let rigid = case.bodies.iter().flat_map(|body| of_body(&body.name, names(body), "spring_energy"));
     let elastic = beside_flow(case).into_iter();
-    let elastic = elastic.flat_map(|(structure, _)| of_body(STRUCTURE, point_names(structure), "strain_energy"));
+    let elastic = elastic.flat_map(|(structure, _)| {
+        let reactions = reaction_names(structure, &case.mesh);
+        of_body(STRUCTURE, point_names(structure), "strain_energy").chain(reactions)
+    });
     rigid.chain(elastic).collect()
 }
 
+/// The reactions of the supports of a structure in a case whose flow or structure has the mesh `other`.
+pub fn reaction_names<const D: usize>(structure: &Structure<D>, other: &Mesh<D>) -> Vec<String> {
+    let names = structure.mesh(other).boundary_names();
+    let name =
+        |(boundary, component): (usize, usize)| format!("{}_reaction_{}", names[boundary], ["x", "y", "z"][component]);
+    supported(&structure.boundary).map(name).collect()
+}
+
 /// The columns of the body `name` with the given `coordinates`.
-fn of_body(name: &str, coordinates: Vec<String>, potential_energy: &str) -> Vec<String> {
+fn of_body(name: &str, coordinates: Vec<String>, potential_energy: &str) -> impl Iterator<Item = String> {
     let works = ["flow_work", "drive_work", "force_work", "damped", "numerical_dissipation"];
     let energies = ["kinetic_energy", potential_energy].into_iter().chain(works);
     let of_coordinate = |coordinate: String| [coordinate.clone(), format!("{coordinate}_rate")];
-    let energies = energies.map(|column| format!("{name}_{column}"));
-    coordinates.into_iter().flat_map(of_coordinate).chain(energies).collect()
+    let energies: Vec<String> = energies.map(|column| format!("{name}_{column}")).collect();
+    coordinates.into_iter().flat_map(of_coordinate).chain(energies)
 }
 
 /// The displacements of the observed points of a structure.
@@ -262,5 +274,6 @@ pub fn row(state: &BodyState) -> Vec<f64> {
     let coordinates = state.position.iter().zip(&state.rate).flat_map(|(position, rate)| [*position, *rate]);
     let ledger = &state.ledger;
     let works = [ledger.flow, ledger.drive, ledger.force, ledger.damped, ledger.numerical];
-    coordinates.chain([state.kinetic_energy, state.potential_energy]).chain(works).collect()
+    let energies = [state.kinetic_energy, state.potential_energy];
+    coordinates.chain(energies).chain(works).chain(state.reactions.iter().copied()).collect()
 }

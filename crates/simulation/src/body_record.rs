@@ -8,8 +8,8 @@ const KEPT: usize = 20;
 /// The motion of one coordinate so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Oscillation {
-    /// Time, value and rate at the end of the last slab.
-    last: Option<[f64; 3]>,
+    /// Time, value and rate at the end of the last slab; the least and the largest value at the ends of slabs.
+    last: Option<[f64; 5]>,
     /// Times and values of the last turning points.
     turns: Vec<[f64; 2]>,
 }
@@ -17,34 +17,60 @@ pub struct Oscillation {
 impl Oscillation {
     /// Adds the value `q` and the rate `w` at the time `t`.
     fn add(&mut self, t: f64, q: f64, w: f64) {
-        if let Some([t0, q0, w0]) = self.last
-            && w0 * w < 0.0
-        {
-            if self.turns.len() == KEPT {
-                self.turns.remove(0);
+        let (mut low, mut high) = (q, q);
+        if let Some([t0, q0, w0, least, largest]) = self.last {
+            (low, high) = (least.min(q), largest.max(q));
+            if w0 * w < 0.0 {
+                if self.turns.len() == KEPT {
+                    self.turns.remove(0);
+                }
+                self.turns.push(turning_point([t0, q0, w0], [t, q, w]));
             }
-            self.turns.push(turning_point([t0, q0, w0], [t, q, w]));
         }
-        self.last = Some([t, q, w]);
+        self.last = Some([t, q, w, low, high]);
     }
 
-    /// Half of the distance between the means of upper and lower turning points; none before there are two.
-    pub fn amplitude(&self) -> Option<f64> {
-        let values: Vec<f64> = self.turns.iter().map(|turn| turn[1]).collect();
-        let steps: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
-        (!steps.is_empty()).then(|| 0.5 * steps.iter().sum::<f64>() / steps.len() as f64)
+    /// The distance of the least and the largest value.
+    pub fn range(&self) -> f64 {
+        self.last.map_or(0.0, |[.., low, high]| high - low)
     }
 
-    /// Periods per time; none before there are three turning points.
-    pub fn frequency(&self) -> Option<f64> {
-        let (first, last) = (self.turns.first()?, self.turns.last()?);
-        (self.turns.len() > 2).then(|| 0.5 * (self.turns.len() - 1) as f64 / (last[0] - first[0]))
+    /// Amplitude and frequency. A way of at most `least` between two turning points is rounding.
+    pub fn figures(&self, least: f64) -> output::Oscillation {
+        let turns = self.turns_beyond(least);
+        output::Oscillation { amplitude: amplitude(&turns), frequency: frequency(&turns) }
+    }
+
+    /// The turning points without pairs that are at most `least` apart: the coordinate goes on in its direction after them.
+    fn turns_beyond(&self, least: f64) -> Vec<[f64; 2]> {
+        let mut turns: Vec<[f64; 2]> = Vec::new();
+        for turn in &self.turns {
+            match turns.last() {
+                Some(before) if (turn[1] - before[1]).abs() <= least => {
+                    turns.pop();
+                }
+                _ => turns.push(*turn),
+            }
+        }
+        turns
     }
 
     fn numbers(&self) -> Vec<f64> {
         let last = self.last.map_or(Vec::new(), |last| last.to_vec());
         [vec![self.turns.len() as f64, last.len() as f64], last, self.turns.concat()].concat()
     }
+}
+
+/// Half of the distance between the means of upper and lower turning points; none before there are two.
+fn amplitude(turns: &[[f64; 2]]) -> Option<f64> {
+    let steps: Vec<f64> = turns.windows(2).map(|pair| (pair[1][1] - pair[0][1]).abs()).collect();
+    (!steps.is_empty()).then(|| 0.5 * steps.iter().sum::<f64>() / steps.len() as f64)
+}
+
+/// Periods per time; none before there are three turning points.
+fn frequency(turns: &[[f64; 2]]) -> Option<f64> {
+    let (first, last) = (turns.first()?, turns.last()?);
+    (turns.len() > 2).then(|| 0.5 * (turns.len() - 1) as f64 / (last[0] - first[0]))
 }
 
 /// Time and value where the cubic through two values and rates turns.
@@ -147,18 +173,30 @@ mod tests {
             record.add(&state, t);
         }
         let [sine, line] = &record.coordinates[..] else { panic!("two coordinates") };
-        assert!((sine.amplitude().unwrap() - 0.7).abs() < 1e-5, "{:?}", sine.amplitude());
-        assert!((sine.frequency().unwrap() - 1.5 / std::f64::consts::PI).abs() < 1e-4, "{:?}", sine.frequency());
-        assert_eq!((line.amplitude(), line.frequency()), (None, None));
+        let figures = sine.figures(0.0);
+        assert!((figures.amplitude.unwrap() - 0.7).abs() < 1e-5, "{figures:?}");
+        assert!((figures.frequency.unwrap() - 1.5 / std::f64::consts::PI).abs() < 1e-4, "{figures:?}");
+        assert_eq!(line.figures(0.0), output::Oscillation::default());
+        assert!((sine.range() - 1.4).abs() < 1e-2 && (line.range() - 9.95).abs() < 1e-12);
         let both = [record.numbers(), record.numbers()].concat();
         assert_eq!(BodyRecord::read_all(&both).unwrap(), [record.clone(), record]);
         assert_eq!(BodyRecord::read_all(&both[..both.len() - 1]), None);
     }
 
+    /// A coordinate that rests up to rounding before it moves counted the turns of rounding.
+    #[test]
+    fn turns_of_rounding_are_none() {
+        let mut coordinate = Oscillation::default();
+        (0..9).for_each(|k| coordinate.add(f64::from(k), 0.0, if k % 2 == 0 { 1e-20 } else { -1e-20 }));
+        (0..9).for_each(|k| coordinate.add(9.0 + f64::from(k), f64::from(k), 1.0));
+        assert!(coordinate.figures(0.0).amplitude.is_none_or(|amplitude| amplitude < 1e-19));
+        assert_eq!(coordinate.figures(8e-10), output::Oscillation::default());
+    }
+
     /// Coordinates of observed points went by their number to other points.
     #[test]
     fn points_keep_their_own_record() {
-        let at = |q: f64| Oscillation { last: Some([1.0, q, 0.0]), ..Oscillation::default() };
+        let at = |q: f64| Oscillation { last: Some([1.0, q, 0.0, q, q]), ..Oscillation::default() };
         let mut record = BodyRecord { energy_at_start: 2.0, coordinates: [1.0, 2.0, 3.0, 4.0].map(at).to_vec() };
         record.keep::<2>(&[None, Some(1)]);
         assert_eq!(record.coordinates, [Oscillation::default(), Oscillation::default(), at(3.0), at(4.0)]);

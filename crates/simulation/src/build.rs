@@ -4,7 +4,7 @@ mod mesh_motion;
 mod structure;
 
 pub use mesh_motion::{PrescribedNode, elasticity_plan, mover, mover_of, prescribed_nodes};
-pub use structure::{StructureAtStart, solid, structure_at_start, structure_march};
+pub use structure::{StructureAtStart, solid, structure_at_start, structure_march, supported};
 
 use super::bodies::bodies;
 use case::{Case, Data, Flow, Jacobian, PointData, Preconditioner, Predictor, Source, State};

@@ -20,7 +20,9 @@ use crate::destination::Destination;
 use crate::error::Failure;
 use crate::observer::Observer;
 use crate::session::Session;
-use begin::{begin, continue_surfaces, cut_files, open_files, restore, take_over, warn_of_averages, warn_of_end};
+use begin::{
+    begin, continue_surfaces, cut_files, open_files, restore, take_over, warn_of_averages, warn_of_end, warn_of_frame,
+};
 use case::{AnyCase, Case, State};
 use end::{close, verdict};
 use fem::StateField;
@@ -190,6 +192,7 @@ fn prepare<'a, const D: usize, const M: usize, R: Run>(
         warn_of_end(case, run.state().time, call.observer);
     }
     warn_of_averages(case, call.observer);
+    warn_of_frame(case, call.observer);
     let goes_on = has_begun && !run.is_done() && (run.state().slab > 0 || case.solver.steady.is_some());
     if goes_on || call.origin.is_some() {
         continue_surfaces(run, &mut recorder, session, call.origin.as_ref())?;

@@ -36,13 +36,14 @@ impl From<Box<CaseError>> for Failure {
 
 impl From<output::OutputError> for Failure {
     fn from(error: output::OutputError) -> Self {
-        use output::OutputError::{Busy, Damaged, Directory, NoCheckpoint, NoResult, OtherCase, Version};
+        use output::OutputError::{Busy, Damaged, Directory, NoCheckpoint, NoResult, NotSealed, OtherCase, Version};
         match error {
             Directory { .. }
             | Busy { .. }
             | NoCheckpoint { .. }
             | NoResult { .. }
             | Damaged { .. }
+            | NotSealed { .. }
             | OtherCase { .. }
             | Version { .. } => Failure::bad_input(error),
             // All other errors occur while results are written.

@@ -272,6 +272,7 @@ where
         let surfaces = SurfaceFlow {
             flow: &self.flow,
             time: state.time,
+            data_times: &self.data_times(),
             mover: &self.march.solver.system.mesh.mover,
             displacement: &state.d,
             velocity: state.past.as_ref().map_or(&still[..], |past| top(&past.v, &state.d)),

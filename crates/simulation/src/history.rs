@@ -50,7 +50,7 @@ const OF_STRUCTURE: [&str; 10] = [
 /// start. For each inflow and outflow there is the mass that leaves per time at the top. A structure has its own columns.
 pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
     if let (None, Some(structure)) = (&case.flow, &case.structure) {
-        return columns_of_structure(structure);
+        return columns_of_structure(case, structure);
     }
     let mut columns: Vec<String> = OF_MESH.map(String::from).to_vec();
     let Some(flow) = &case.flow else { return columns };
@@ -135,11 +135,12 @@ fn row_of_wall<const D: usize>(wall: &Wall<D>, loads: &WallLoads<D>, total: &Wal
     row
 }
 
-/// With the displacement of every point and the coordinate of every natural mode.
-fn columns_of_structure<const D: usize>(structure: &Structure<D>) -> Vec<String> {
+/// With the reactions of supports, the displacement of every point and the coordinate of every natural mode.
+fn columns_of_structure<const D: usize>(case: &Case<D>, structure: &Structure<D>) -> Vec<String> {
+    let reactions = bodies::reaction_names(structure, &case.mesh);
     let points = bodies::point_names(structure);
     let modes = (1..=structure.natural_modes).map(|mode| format!("mode_{mode}"));
-    OF_STRUCTURE.map(String::from).into_iter().chain(points).chain(modes).collect()
+    OF_STRUCTURE.map(String::from).into_iter().chain(reactions).chain(points).chain(modes).collect()
 }
 
 /// A row of the mesh alone.
@@ -150,11 +151,11 @@ pub fn row_of_mesh(interval: Interval, iterations: usize, quality: &MeshQuality)
 
 /// A row of a structure, up to its points; `balance` includes the slab.
 pub fn row_of_structure(report: &StructureReport, balance: &EnergyBalance) -> Vec<f64> {
-    let StructureReport { interval, dynamics, kinetic_energy, strain_energy, .. } = report;
+    let StructureReport { interval, dynamics, kinetic_energy, strain_energy, reactions, .. } = report;
     let energy = kinetic_energy + strain_energy;
     let time = [interval.end, interval.end - interval.start, dynamics.iterations as f64];
     let work = [balance.load_work, balance.support_work, balance.dissipation, balance.error(energy)];
-    [&time[..], &[*kinetic_energy, *strain_energy, energy], &work].concat()
+    [&time[..], &[*kinetic_energy, *strain_energy, energy], &work, reactions].concat()
 }
 
 /// A row of mesh and flow, with the loads of the walls; `statistics` includes the slab.

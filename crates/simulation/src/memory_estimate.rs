@@ -6,7 +6,7 @@ use crate::averages::Moments;
 use crate::error::Failure;
 use ::mesh::{Mesh, NodeNumbering};
 use case::memory;
-use case::{Case, Flow, Preconditioner, Steady, SteadyBodies};
+use case::{Case, Flow, Motion, Preconditioner, Steady, SteadyBodies};
 use coupled::preconditioner::{CoarseLevelUse, LOW_ORDER_VECTORS, coarse_functions_per_direction, padded};
 use fem::Orders;
 use navier_stokes::Viscosity;
@@ -78,7 +78,8 @@ impl MemoryEstimate {
         let flow = case.flow_unknowns();
         let mesh = case.mesh_unknowns().unwrap_or(0);
         // See coupled::System::krylov_precision.
-        let of_bodies = !case.bodies.is_empty() || case.structure.is_some();
+        let follows = matches!(case.motion, Some(Motion::Followed));
+        let of_bodies = !(case.bodies.is_empty() || follows) || case.structure.is_some();
         let vector = if of_bodies { 8 } else { 4 } * (flow + mesh);
         let restart = case.solver.krylov_restart.min(case.solver.krylov_iterations);
         let newton = 8 * (flow * VECTORS + operator_vectors(case) + mesh * VECTORS_OF_MESH);

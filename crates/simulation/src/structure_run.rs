@@ -11,7 +11,7 @@ use crate::destination::Destination;
 use crate::error::Failure;
 use crate::observer::Observer;
 use crate::session::Session;
-use case::{Case, Structure};
+use case::{Analysis, Case, Structure};
 use coupled::block::{BodyState, Ledger};
 use coupled::{Observation, SlabError, StructureMarch, StructureReport};
 use elasticity::{ElasticityError, NaturalMode, natural_modes};
@@ -92,6 +92,7 @@ impl<const D: usize> StructureRun<'_, D> {
                 numerical: balance.dissipation - balance.damped,
                 ..Ledger::default()
             },
+            reactions: Vec::new(),
         }
     }
 }
@@ -144,7 +145,11 @@ impl<const D: usize> Run for StructureRun<'_, D> {
         let energy = self.march.energies().iter().sum();
         let mut summary = summary::of_structure(self.case, &self.march, energy, &self.observed.modes, context, stop);
         if let Some(record) = context.statistics.bodies.first() {
-            let body = summary::of_elastic_body(self.structure, &self.as_body(context), record);
+            let mut body = summary::of_elastic_body(self.structure, &self.as_body(context), record);
+            if self.structure.analysis == Analysis::Static {
+                // The rate is a displacement per load, not a velocity.
+                body.velocity.clear();
+            }
             summary.bodies.insert(STRUCTURE.to_owned(), body);
         }
         summary

@@ -172,21 +172,22 @@ pub fn of_elastic_body<const D: usize>(structure: &case::Structure<D>, state: &B
     }
 }
 
-/// Oscillations and energies of a body. Each of its `coordinates` has a name and an arm, the way that its unit moves the body.
+/// Ways below this part of that of the body are rounding.
+const ROUNDING: f64 = 1e-10;
+
+/// Oscillations and energies of a body. Each of its `coordinates` has a name and an arm, the way that its unit moves the body. The one that
+/// moves the body most stands for it.
 fn of_any_body(coordinates: Vec<(String, f64)>, state: &BodyState, record: &BodyRecord) -> Body {
-    let largest = moves_most(&coordinates, record);
-    let figures = |oscillation: &Oscillation| output::Oscillation {
-        amplitude: oscillation.amplitude(),
-        frequency: oscillation.frequency(),
-    };
+    let way = |(coordinate, (_, arm)): (&Oscillation, &(String, f64))| arm * coordinate.range();
+    let ways: Vec<f64> = record.coordinates.iter().zip(&coordinates).map(way).collect();
+    let rounding = ROUNDING * largest(ways.iter().copied());
+    let figures = |(coordinate, (_, arm)): (&Oscillation, &(String, f64))| coordinate.figures(rounding / arm);
+    let figures: Vec<_> = record.coordinates.iter().zip(&coordinates).map(figures).collect();
+    let most = (0..ways.len()).max_by(|a, b| ways[*a].total_cmp(&ways[*b])).map(|number| &figures[number]);
     Body {
-        amplitude: largest.and_then(Oscillation::amplitude),
-        frequency: largest.and_then(Oscillation::frequency),
-        coordinates: coordinates
-            .into_iter()
-            .map(|(name, _)| name)
-            .zip(record.coordinates.iter().map(figures))
-            .collect(),
+        amplitude: most.and_then(|figures| figures.amplitude),
+        frequency: most.and_then(|figures| figures.frequency),
+        coordinates: coordinates.into_iter().map(|(name, _)| name).zip(figures).collect(),
         work: state.ledger.flow,
         kinetic_energy: state.kinetic_energy,
         drive_work: state.ledger.drive,
@@ -195,15 +196,6 @@ fn of_any_body(coordinates: Vec<(String, f64)>, state: &BodyState, record: &Body
         numerical_dissipation: state.ledger.numerical,
         ..Body::default()
     }
-}
-
-/// The coordinate that moves the body most; it stands for the body.
-fn moves_most<'a>(coordinates: &[(String, f64)], record: &'a BodyRecord) -> Option<&'a Oscillation> {
-    let way = |(coordinate, (_, arm)): (&'a Oscillation, &(String, f64))| {
-        (arm * coordinate.amplitude().unwrap_or(0.0), coordinate)
-    };
-    let ways = record.coordinates.iter().zip(coordinates).map(way);
-    ways.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, coordinate)| coordinate)
 }
 
 /// The figures of an inflow or outflow.
@@ -364,6 +356,21 @@ fn is_affine<const D: usize>(case: &Case<D>, g: &DisplacementOf<'_, D>) -> bool 
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+
+    /// A coordinate that has not turned moved the body; the noise of another one, which had turned, stood for it.
+    #[test]
+    fn the_coordinate_that_moves_most_stands_for_a_body_even_before_it_turns() {
+        let at = |t: f64| BodyState {
+            position: vec![(0.5 * t).sin(), 1e-20 * (9.0 * t).sin()],
+            rate: vec![0.5 * (0.5 * t).cos(), 9e-20 * (9.0 * t).cos()],
+            ..BodyState::default()
+        };
+        let mut record = BodyRecord::start(&at(0.0), 0.0);
+        (1..60).map(|k| 0.05 * f64::from(k)).for_each(|t| record.add(&at(t), t));
+        let body = of_any_body(vec![("x".to_owned(), 1.0), ("y".to_owned(), 1.0)], &at(3.0), &record);
+        assert_eq!((body.amplitude, body.frequency), (None, None));
+        assert_eq!(body.coordinates["y"], output::Oscillation::default());
+    }
 
     /// A small body that pitches by 0.2 rad and heaves by half of its size: the larger number is not the larger motion.
     #[test]

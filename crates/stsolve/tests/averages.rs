@@ -292,6 +292,29 @@ fn the_budget_of_kinetic_energy_along_x_is_that_of_the_flow() {
     }
 }
 
+/// The weights ignored the stretch of the mesh inside a cell: the mean density was 1.10479, the stress 0.024824.
+#[test]
+fn averages_along_a_stretched_axis_are_exact() {
+    let directory = TempDir::new().unwrap();
+    let text = r#"
+        mesh = { order = 4, map = ["x + 0.9*x*(1-x)*(x-0.5)", "y"], generate.box = { lower = [0, 0], upper = [1, 1], cells = [1, 2] } }
+        time = { order = 1, end = 1e-9, slabs = 1 }
+        output.averages = { from = 0, along = ["x"], fields = ["density", "reynolds_stress"] }
+        [flow]
+        order = 8
+        initial.expression = { density = "1+0.3*x^2", velocity = ["0.5*x+0.2*y", 0], pressure = 10 }
+        reference = { density = 1, speed = 1, pressure = 10, length = 1 }
+        boundary.others = "slip_wall"
+    "#;
+    run(directory.path(), text, &[]);
+    let (names, rows) = along(&directory.path().join("run"));
+    let of = |name: &str| names.iter().position(|other| other == name).unwrap();
+    for row in &rows {
+        assert!((row[of("mean_density")] - 1.1).abs() < 1e-6, "{row:?}");
+        assert!((row[of("reynolds_stress_xx")] - 0.25 / 12.0).abs() < 1e-6, "{row:?}");
+    }
+}
+
 /// The span of a box: one cell of the file for each stack of four.
 #[test]
 fn averages_along_a_span_are_a_plane_for_a_viewer() {
@@ -308,6 +331,9 @@ fn averages_along_a_span_are_a_plane_for_a_viewer() {
     run(directory.path(), text, &[]);
     let run = directory.path().join("run");
     let file = run.join("averages_along.vtkhdf");
+    // It was called damaged.
+    let info = stsolve(directory.path(), &["info", "run/averages_along.vtkhdf"]);
+    info.expect(2, &["is no result file of a run", "`result.vtkhdf`"]);
     let (_, points) = read_viewer_file(&file, "Points").unwrap();
     let (_, velocity) = read_viewer_file(&file, "mean_velocity").unwrap();
     let (_, stress) = read_viewer_file(&file, "reynolds_stress_zz").unwrap();
@@ -343,6 +369,18 @@ fn check_tells_what_is_averaged() {
     for part in ["averages from", "0.25", "of 2.500 periods"] {
         assert!(out.stdout.contains(part), "no `{part}` in: {}", out.stdout);
     }
+}
+
+/// The averages were those over 3e-16, without a warning.
+#[test]
+fn averages_from_the_end_on_are_none() {
+    let directory = TempDir::new().unwrap();
+    let set = ["time.slabs=3", "time.end=0.3", "output.averages.from=\"0.3 - 3e-16\""];
+    let told = ["the run has no averages", "`output.averages.from`"];
+    on_case(directory.path(), "run", "free_stream", &set, "run", &[]).expect(0, &told);
+    let set: Vec<&str> = set.iter().flat_map(|change| ["--set", change]).collect();
+    let checked = stsolve(directory.path(), &[&["check", &shipped("free_stream.toml")], &set[..]].concat());
+    assert!(checked.stdout.contains("it has no averages"), "{}", checked.stdout);
 }
 
 #[test]

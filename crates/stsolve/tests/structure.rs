@@ -94,6 +94,70 @@ fn supports_move_in_three_dimensions() {
     assert!(number(&summary, "structure.energy_error").abs() < 1e-8 * size, "{summary}");
 }
 
+/// The static analysis of a bar under its weight, `set` apart.
+fn hanging(directory: &std::path::Path, set: &[&str]) -> serde_json::Value {
+    let still = [
+        "structure.analysis=\"static\"",
+        "structure.initial={}",
+        "structure.natural_modes=0",
+        "structure.young_modulus=1e5",
+        "structure.body_force=[\"3*t\", \"-2*t\"]",
+        "mesh.generate.box.cells=[4,1]",
+        "time={order=1,end=1,slabs=2}",
+    ];
+    finished(directory, "cantilever", &[&still[..], set].concat())
+}
+
+/// No file had the force of a clamp. A node of two supports counts once, for the first one.
+#[test]
+fn reactions_of_supports_carry_the_weight() {
+    let directory = TempDir::new().unwrap();
+    let run = directory.path().join("cantilever");
+    let weight = |t: f64| [3.0, -2.0].map(|b: f64| 0.05 * b * t);
+    let assert_carried = |columns: [&[&str]; 2]| {
+        for (i, columns) in columns.into_iter().enumerate() {
+            let columns: Vec<Vec<f64>> = columns.iter().map(|name| column(&run, name)).collect();
+            for (step, t) in [0.5, 1.0].into_iter().enumerate() {
+                let carried: f64 = columns.iter().map(|column| column[step]).sum();
+                assert!((carried + weight(t)[i]).abs() < 1e-10, "axis {i}: {carried}, {columns:?}");
+            }
+        }
+    };
+    let clamped = hanging(directory.path(), &[]);
+    assert_carried([&["left_reaction_x"], &["left_reaction_y"]]);
+    // There is no velocity without inertia.
+    assert!(clamped["bodies"]["structure"].get("velocity").is_none(), "{clamped}");
+    hanging(directory.path(), &["structure.boundary={left=\"fixed\",bottom={held=[\"y\"]},others=\"free\"}"]);
+    assert_carried([&["left_reaction_x"], &["left_reaction_y", "bottom_reaction_y"]]);
+    assert!(column(&run, "bottom_reaction_y")[1] > 0.05);
+}
+
+/// The table of times had nothing but orthogonalisation.
+#[test]
+fn products_and_preconditioners_of_a_structure_are_timed() {
+    let directory = TempDir::new().unwrap();
+    for set in
+        [&["structure.law=\"neo_hookean\""][..], &["structure.law=\"neo_hookean\"", "structure.analysis=\"dynamic\""]]
+    {
+        let summary = hanging(directory.path(), set);
+        for part in ["product", "preconditioner", "preconditioner_setup"] {
+            assert!(number(&summary, &format!("cost.parts.{part}.calls")) > 0.0, "{part}: {summary}");
+        }
+    }
+}
+
+/// The error had the text of a factorisation.
+#[test]
+fn a_structure_without_supports_is_told_that_it_can_move() {
+    let directory = TempDir::new().unwrap();
+    for boundary in ["others=\"free\"", "others={held=[\"x\"]}"] {
+        let set = ["structure.analysis=\"static\"", "structure.initial={}", "structure.natural_modes=0"];
+        let boundary = format!("structure.boundary={{{boundary}}}");
+        let outcome = on_case(directory.path(), "run", "cantilever", &[&set[..], &[&boundary]].concat(), "free", &[]);
+        outcome.expect(2, &["can move as a rigid body", "structure.boundary"]);
+    }
+}
+
 #[test]
 fn a_structure_resumes_with_the_same_bits() {
     let directory = TempDir::new().unwrap();

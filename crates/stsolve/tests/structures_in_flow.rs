@@ -176,3 +176,16 @@ fn a_bar_beside_inviscid_gas_finds_its_equilibrium() {
     let found = *column(&directory.path().join("run"), "wall_x").last().unwrap();
     assert!((found / exact - 1.0).abs() < 1e-3, "{found} for {exact}");
 }
+
+/// No file had the force of a clamp. In equilibrium that of the bar carries the pressure of the gas on its other end.
+#[test]
+fn the_clamp_of_a_bar_carries_the_pressure_of_the_gas() {
+    let directory = TempDir::new().unwrap();
+    std::fs::write(directory.path().join("case.toml"), BAR.replace("end = 0,", "end = 1,")).unwrap();
+    stsolve(directory.path(), &["run", "case.toml", "--output", "run", "--quiet"]).expect(0, &[]);
+    let last = |name: &str| *column(&directory.path().join("run"), name).last().unwrap();
+    // The stress -E d acts on the height 0.1.
+    let (found, exact) = (last("left_reaction_x"), -10.0 * last("wall_x"));
+    assert!((found / exact - 1.0).abs() < 1e-3, "{found} for {exact}");
+    assert!((last("bottom_reaction_y") + last("top_reaction_y") + last("left_reaction_y")).abs() < 1e-6 * exact);
+}

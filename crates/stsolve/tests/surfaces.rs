@@ -135,6 +135,34 @@ fn walls_of_a_box_in_space_have_their_forces() {
     }
 }
 
+/// A wall with ends that is extruded along z had neither a mean nor a separation, and no warning. The end of a box is not extruded.
+#[test]
+fn open_walls_in_space_have_means() {
+    let directory = TempDir::new().unwrap();
+    let text = r#"
+        mesh = { order = 2, generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 1] }, extrude = { depth = 0.5, layers = 2 } }
+        time = { order = 1, end = 0.2, slabs = 2 }
+        output = { averages.from = 0, surfaces = { walls = ["bottom", "front"], every = 1 } }
+        [flow]
+        order = 2
+        gas = { viscosity = { constant = 0.05 } }
+        initial.uniform = { velocity = [0.1, 0, 0], pressure = 1 }
+        boundary.bottom.adiabatic_wall = {}
+        boundary.others = "slip_wall"
+    "#;
+    fs::write(directory.path().join("case.toml"), text).unwrap();
+    let told = ["the wall `front` has no means", "not extruded along z"];
+    stsolve(directory.path(), &["run", "case.toml", "--output", "run"]).expect(0, &told);
+    let run = directory.path().join("run");
+    assert!(run.join("surface_bottom_separation.csv").exists() && !run.join("surface_front_mean.csv").exists());
+    let mean = fs::read_to_string(run.join("surface_bottom_mean.csv")).unwrap();
+    assert!(mean.starts_with("arc_length,x,y,pressure,"), "{mean}");
+    for line in mean.lines().skip(1) {
+        let row: Vec<f64> = line.split(',').take(3).map(|number| number.parse().unwrap()).collect();
+        assert!((row[0] + row[1] - 1.0).abs() < 1e-14 || (row[0] - row[1]).abs() < 1e-14, "{line}");
+    }
+}
+
 /// Without `every` there was a mean over the one distribution at the end.
 #[test]
 fn means_along_walls_need_distributions_at_several_times() {

@@ -5,15 +5,14 @@
 //! ```
 
 use basis::RadauTime;
-use coupled::block::{Block, Body, BodyState, Couplings, Exchange, Ledger, Quantity};
+use coupled::block::{Block, Body, BodyState, Couplings, Exchange, Quantity};
 use coupled::{
     FlowMarch, Interval, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, Settings, SlabError, State, System,
 };
 use fem::{Clock, Orders};
 use mesh::{BoxMesh, Curving, NodeNumbering};
 use navier_stokes::{Boundary, Riemann, SlipWall, Viscosity};
-use newton_krylov::newton;
-use newton_krylov::problem::Inadmissible;
+use newton_krylov::{newton, problem::Inadmissible};
 
 const MASS: f64 = 0.7;
 const SPRING: f64 = 3.0;
@@ -82,16 +81,14 @@ impl Block for SpringMass {
     fn linearise(&mut self, z: &[f64], exchange: &mut Exchange, _: f64) {
         self.move_nodes(self.bottom[0], z, &mut exchange.wall_displacement);
     }
-    fn product(&mut self, x: &[f64], tangent: &mut Exchange, out: &mut [f64]) {
-        self.move_nodes(0.0, x, &mut tangent.wall_displacement);
+    fn product(&mut self, x: &[f64], _: &mut Exchange, out: &mut [f64]) {
         self.dynamics([0.0; 2], x, out);
     }
     fn receive_product(&mut self, tangent: &Exchange, out: &mut [f64]) {
         self.subtract_loads(tangent, out);
     }
-    fn precondition(&mut self, r: &[f64], tangent: &mut Exchange, x: &mut [f64]) {
+    fn precondition(&mut self, r: &[f64], _: &mut Exchange, x: &mut [f64]) {
         x.iter_mut().zip(r).for_each(|(x, r)| *x = r / MASS);
-        self.move_nodes(0.0, x, &mut tangent.wall_displacement);
     }
     fn add_pseudo_time(&mut self, _: &[f64], _: &mut [f64]) {}
 }
@@ -102,8 +99,8 @@ impl Body for SpringMass {
     }
     fn read(&self, stored: &[f64]) -> BodyState {
         let [kinetic_energy, potential_energy] = [MASS * stored[1].powi(2) / 2.0, SPRING * stored[0].powi(2) / 2.0];
-        let (position, rate, ledger) = (vec![stored[0]], vec![stored[1]], Ledger::default());
-        BodyState { position, rate, kinetic_energy, potential_energy, ledger }
+        let [position, rate] = [vec![stored[0]], vec![stored[1]]];
+        BodyState { position, rate, kinetic_energy, potential_energy, ..BodyState::default() }
     }
     fn way(&self, z: &[f64]) -> f64 {
         MASS * z.iter().map(|w| w * w).sum::<f64>().sqrt()
@@ -112,9 +109,11 @@ impl Body for SpringMass {
         z.fill(self.bottom[1]);
         self.move_nodes(self.bottom[0], z, &mut exchange.wall_displacement);
     }
+    fn move_walls(&mut self, x: &[f64], displacement: &mut [f64]) {
+        self.move_nodes(0.0, x, displacement);
+    }
     fn end_slab(&mut self, z: &[f64], stored: &mut Vec<f64>) {
-        let top = z.len() - 1;
-        *stored = vec![self.position(top, self.bottom[0], z), z[top]];
+        *stored = vec![self.position(z.len() - 1, self.bottom[0], z), z[z.len() - 1]];
     }
 }
 
@@ -126,15 +125,14 @@ fn a_mass_on_a_spring_swings_on_a_box_of_gas() {
     let law = verification::law::<2>(Viscosity::Inviscid, Riemann::Roe);
     let data = verification::free_stream::<2, 4>(&law);
     let mut flow = verification::operator(&mesh, law, orders, Boundary::SlipWall(SlipWall), data);
-    let right: Vec<bool> = mesh.boundary_names().iter().map(|name| name == "right").collect();
-    flow.load_boundaries(&right);
+    flow.load_boundaries(&mesh.boundary_names().iter().map(|name| name == "right").collect::<Vec<bool>>());
     let mover = MeshMover::new(MeshMotion::Followed, mesh, numbering, orders.time);
     let nodes = mover.positions().iter().enumerate().map(|(node, x)| (node, x[0])).collect();
     let points = flow.tables.time_points.iter().map(|point| point.s).collect();
     let body = SpringMass { time: RadauTime::new(2), points, nodes, dt: 0.0, bottom: [0.0; 2] };
     let rest: [f64; 4] = [1.0, 0.0, 0.0, 1.0 / 0.4];
-    let u = crate::slab_operator::uniform_coefficients(&flow, &rest, 1);
-    let u = u[..flow.layout.at_one_time().len()].to_vec();
+    let mut u = crate::slab_operator::uniform_coefficients(&flow, &rest, 1);
+    u.truncate(flow.layout.at_one_time().len());
     let newton = newton::Settings { relative_tolerance: 1e-12, ..newton::Settings::default() };
     let (predictor, jacobian) = (Predictor::Elastic, Jacobian::Exact);
     let settings = Settings { schedule: Schedule::uniform(2.0, 10), newton, predictor, jacobian, max_halvings: 0 };

@@ -24,6 +24,16 @@ pub struct Averages {
     pub fields: Vec<Average>,
 }
 
+impl Averages {
+    /// A part of a slab that is shorter than this fraction of it is round-off, and is not averaged.
+    pub const ROUND_OFF: f64 = 1e-9;
+
+    /// Whether no part of a run that covers `time` is averaged, because they begin at its end or later.
+    pub fn begin_after(&self, time: &Time) -> bool {
+        self.from >= time.end - Self::ROUND_OFF * time.step
+    }
+}
+
 /// Equal phases of a period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phases {

@@ -4,6 +4,9 @@ use super::raw;
 use crate::checker::{Checked, Checker};
 use crate::expression::{ControlValue, Program};
 use crate::key::Key;
+use serde::Deserialize;
+use serde::de::IntoDeserializer;
+use serde::de::value::{Error as ValueError, StrDeserializer};
 use std::collections::BTreeMap;
 
 /// A number in formulas that the run changes after every slab.
@@ -59,13 +62,33 @@ impl Control {
     }
 }
 
-/// The control `name`.
-pub(super) fn check(checker: &Checker<'_>, name: &str, raw: &raw::Control) -> Checked<Control> {
+/// The control `name` of a case whose history.csv has `integrals`.
+pub(super) fn check(
+    checker: &Checker<'_>,
+    name: &str,
+    raw: &raw::Control,
+    integrals: &[raw::Integral],
+) -> Checked<Control> {
     let key = Key::new("controls").child(name);
+    has_integral(checker, &key.child("measure"), &raw.measure, integrals)?;
     let initial = checker.number(&key.child("initial"), &raw.initial)?;
     let rate = Rate::Formula(checker.formula_of_control(&key.child("rate"), &raw.rate)?);
     let (name, measure, value) = (name.to_owned(), raw.measure.clone(), ControlValue::new(initial));
     Ok(Control { name, measure, initial, value, rate, is_used: false })
+}
+
+/// Checks that an integral over the flow is among `integrals` if a control measures it: only those are columns of history.csv.
+fn has_integral(checker: &Checker<'_>, key: &Key, measure: &str, integrals: &[raw::Integral]) -> Checked<()> {
+    let name: StrDeserializer<'_, ValueError> = measure.into_deserializer();
+    match raw::Integral::deserialize(name) {
+        Ok(integral) if !integrals.contains(&integral) => {
+            let problem =
+                format!("history.csv has no column \"{measure}\", because `output.integrals` does not list it");
+            let accepted = format!("this control together with `output.integrals = [\"{measure}\"]`");
+            Err(checker.combination(key, &problem, &accepted))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Checks that only a case with a flow has controls.

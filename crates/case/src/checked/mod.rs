@@ -280,8 +280,8 @@ fn checker_of<'a>(document: &'a Document, raw: &raw::Case, damage: Damage) -> So
             checker.lose(key);
         }
     }
-    for (name, raw) in &raw.controls {
-        let control = controls::check(&checker, name, raw);
+    for (name, control) in &raw.controls {
+        let control = controls::check(&checker, name, control, &raw.output.integrals);
         if errors.note(control.and_then(|control| checker.define_control(control))).is_none() {
             checker.lose(Key::new("controls").child(name));
         }

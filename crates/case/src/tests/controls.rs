@@ -32,8 +32,16 @@ fn names_and_places_of_controls_are_checked() {
         (FORCE, &["motion.boundary.left={ displacement = [\"force\", 0] }"], &["force"]),
         ("[controls.force]\nmeasure = \"mass\"\nrate = \"x\"\n", &[], &["controls.force.rate", "measured"]),
         ("[controls.force]\nrate = 0\n", &[], &["measure"]),
+        // The message had no line, and did not say what makes the column.
+        (
+            "[controls.force]\nmeasure = \"momentum_x\"\nrate = 0\n",
+            &[],
+            &["case.toml:", "controls.force.measure", "`output.integrals = [\"momentum_x\"]`"],
+        ),
     ] {
         let message = with_controls(controls, options).unwrap_err().to_string();
         parts.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
     }
+    let measures = "[controls.force]\nmeasure = \"momentum_x\"\nrate = 0\n";
+    assert!(with_controls(measures, &["output.integrals=[\"entropy\",\"momentum_x\"]"]).is_ok());
 }

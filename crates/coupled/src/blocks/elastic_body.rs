@@ -141,6 +141,7 @@ impl<const D: usize> ElasticBody<D> {
         let dt = elasticity::nominal_length(self.slab.dt, self.step);
         let rate = self.inverse_pseudo_time;
         if self.modal.as_ref().is_none_or(|(of, modal)| *of != rate || modal.dt() != dt) {
+            let _timed = tracing::trace_span!(target: "cost", "preconditioner_setup").entered();
             let (fluid, position) = (Some(&self.data.fluid), &self.slab.displacement[..]);
             let of = elasticity::SlabSystems { dt, inverse_pseudo_time: rate, fluid, position };
             let modal = ModalSolver::new(&self.data.structure, self.motion.time(), of);
@@ -188,7 +189,7 @@ impl<const D: usize> Block for ElasticBody<D> {
 
     fn residual(&mut self, z: &[f64], exchange: &mut Exchange, r: &mut [f64]) -> Result<(), Inadmissible> {
         self.w.copy_from_slice(z);
-        self.write_walls(&self.slab.displacement, z, exchange);
+        self.write_walls(&self.slab.displacement, z, &mut exchange.wall_displacement);
         self.in_slab().residual(&self.slab.forces, z, r)?;
         self.constrain(|i| z[i] - self.slab.supports[i], r);
         Ok(())
@@ -201,12 +202,12 @@ impl<const D: usize> Block for ElasticBody<D> {
 
     fn linearise(&mut self, z: &[f64], exchange: &mut Exchange, inverse_pseudo_time: f64) {
         self.w.copy_from_slice(z);
-        self.write_walls(&self.slab.displacement, z, exchange);
+        self.write_walls(&self.slab.displacement, z, &mut exchange.wall_displacement);
         self.inverse_pseudo_time = inverse_pseudo_time;
     }
 
-    fn product(&mut self, x: &[f64], tangent: &mut Exchange, out: &mut [f64]) {
-        self.write_walls(&vec![0.0; self.data.structure.length()], x, tangent);
+    fn product(&mut self, x: &[f64], _tangent: &mut Exchange, out: &mut [f64]) {
+        let _timed = tracing::trace_span!(target: "cost", "product").entered();
         self.in_slab().product(&self.w, x, out);
         self.constrain(|i| x[i], out);
     }
@@ -215,7 +216,8 @@ impl<const D: usize> Block for ElasticBody<D> {
         self.subtract(&self.nodal_loads(&tangent.wall_loads), out);
     }
 
-    fn precondition(&mut self, r: &[f64], tangent: &mut Exchange, x: &mut [f64]) {
+    fn precondition(&mut self, r: &[f64], _tangent: &mut Exchange, x: &mut [f64]) {
+        let _timed = tracing::trace_span!(target: "cost", "preconditioner").entered();
         x.copy_from_slice(r);
         self.factor();
         if let Some((_, modal)) = &self.modal {
@@ -223,7 +225,6 @@ impl<const D: usize> Block for ElasticBody<D> {
             let _ = modal.solve(&self.data.structure, self.slab.dt, MODE_TOLERANCE, x);
         }
         self.at_fixed(|i| x[i] = r[i] / (self.scales[i] * self.step));
-        self.write_walls(&vec![0.0; self.data.structure.length()], x, tangent);
     }
 
     /// (1/dtau) dt omega_a (M + added mass).
@@ -271,6 +272,7 @@ impl<const D: usize> Body for ElasticBody<D> {
             kinetic_energy: self.data.structure.kinetic_energy(velocity),
             potential_energy: self.data.structure.strain_energy(displacement),
             ledger: Ledger::read(&stored[displacement.len() + velocity.len()..]),
+            reactions: self.data.supports.reactions.forces(&self.slab.reaction),
         }
     }
 
@@ -284,6 +286,10 @@ impl<const D: usize> Body for ElasticBody<D> {
         2.0 * self.data.structure.kinetic_energy(&jump(self.motion.time(), z, &self.slab.velocity))
     }
 
+    fn move_walls(&mut self, x: &[f64], displacement: &mut [f64]) {
+        self.write_walls(&vec![0.0; self.data.structure.length()], x, displacement);
+    }
+
     fn last_digits(&self, z: &[f64]) -> Vec<f64> {
         last_digits(z, &self.slab.displacement, self.slab.dt)
     }
@@ -292,7 +298,7 @@ impl<const D: usize> Body for ElasticBody<D> {
         self.extrapolate(past, z);
         self.at_fixed(|i| z[i] = self.slab.supports[i]);
         self.w.copy_from_slice(z);
-        self.write_walls(&self.slab.displacement, z, exchange);
+        self.write_walls(&self.slab.displacement, z, &mut exchange.wall_displacement);
     }
 
     fn end_slab(&mut self, z: &[f64], stored: &mut Vec<f64>) {

@@ -2,7 +2,7 @@
 
 mod effect_of_mesh;
 
-use effect_of_mesh::EffectOfMesh;
+use effect_of_mesh::{Effect, EffectOfMesh};
 
 use crate::block::{Block, Couplings, Exchange, Quantity};
 use crate::lagged_preconditioner::{LaggedPreconditioner, Linearisation, Update};
@@ -79,11 +79,6 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
         }
     }
 
-    /// Tells that all velocities of the mesh lie in a space of `dimension` dimensions; zero if nothing is known.
-    pub(crate) fn expect_mesh_velocities(&mut self, dimension: usize) {
-        self.effect_of_mesh.dimension = dimension;
-    }
-
     /// Moves to the slab `interval` on top of `bottom`.
     pub(crate) fn begin(&mut self, interval: Interval, bottom: Bottom) {
         self.operator.begin_slab(interval.start, interval.end - interval.start, bottom);
@@ -129,18 +124,36 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
         }
     }
 
+    /// Takes the effect of the unknowns `x` of bodies that the whole mesh follows. Returns unknowns whose effect is lacking for that, see
+    /// [`Self::learn_effect`].
+    pub(crate) fn take_effect(&mut self, x: &[f64]) -> Option<Vec<f64>> {
+        self.effect_of_mesh.take(x)
+    }
+
+    /// Keeps the effect of the unknowns `q` of bodies, along which the mesh moves as in `tangent`.
+    pub(crate) fn learn_effect(&mut self, q: Vec<f64>, tangent: &Exchange) {
+        let (mut of_mesh, v) = (std::mem::take(&mut self.effect_of_mesh), &tangent.mesh_velocity);
+        of_mesh.learn(q, |effect| self.product_along_mesh(v, effect));
+        self.effect_of_mesh = of_mesh;
+    }
+
+    /// Takes the effect of the velocities of the mesh.
+    fn take_effect_of_velocities(&mut self, v: &[f64]) {
+        let mut of_mesh = std::mem::take(&mut self.effect_of_mesh);
+        of_mesh.take_alone(v, |effect| self.product_along_mesh(v, effect));
+        self.effect_of_mesh = of_mesh;
+    }
+
     /// The effect B v of the velocities v of the mesh, and of nothing else.
-    fn take_effect_of_mesh(&mut self, tangent: &Exchange) {
+    fn product_along_mesh(&mut self, v: &[f64], effect: &mut Effect) {
         let _timed = tracing::trace_span!(target: "cost", "product").entered();
-        let FlowBlock { operator, effect_of_mesh, counts, still, .. } = self;
+        let FlowBlock { operator, counts, still, .. } = self;
+        counts.mesh_products += 1;
         still.resize(operator.layout.len(), 0.0);
-        effect_of_mesh.take(&tangent.mesh_velocity, |v, effect| {
-            counts.mesh_products += 1;
-            effect.residual.resize(still.len(), 0.0);
-            operator.product_with_mesh(still, v, &mut effect.residual);
-            effect.loads.clear();
-            effect.loads.extend_from_slice(operator.loads());
-        });
+        effect.residual.resize(still.len(), 0.0);
+        operator.product_with_mesh(still, v, &mut effect.residual);
+        effect.loads.clear();
+        effect.loads.extend_from_slice(operator.loads());
     }
 
     /// The rows of the effect of the mesh last taken, if it serves several products and nobody has judged it yet.
@@ -230,7 +243,8 @@ impl<const D: usize, const M: usize> Block for FlowBlock<D, M> {
 
     fn product(&mut self, x: &[f64], tangent: &mut Exchange, out: &mut [f64]) {
         let _timed = tracing::trace_span!(target: "cost", "product").entered();
-        if !tangent.mesh_moves || self.effect_of_mesh.is_of(&tangent.mesh_velocity) {
+        let is_known = tangent.effect_is_kept || self.effect_of_mesh.is_of(&tangent.mesh_velocity);
+        if !tangent.mesh_moves || is_known {
             self.product_beside_mesh(x, tangent, out);
         } else {
             self.product_with_mesh(x, tangent, out);
@@ -240,7 +254,9 @@ impl<const D: usize, const M: usize> Block for FlowBlock<D, M> {
     /// The flow by its factored modes, after the effect of the mesh, an exact product.
     fn precondition(&mut self, r: &[f64], tangent: &mut Exchange, x: &mut [f64]) {
         if tangent.mesh_moves {
-            self.take_effect_of_mesh(tangent);
+            if !tangent.effect_is_kept {
+                self.take_effect_of_velocities(&tangent.mesh_velocity);
+            }
             self.rest.clear();
             self.rest.extend(r.iter().zip(&self.effect_of_mesh.of_last().residual).map(|(r, effect)| r - effect));
         }

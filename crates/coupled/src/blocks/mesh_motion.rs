@@ -186,7 +186,7 @@ impl<const D: usize> MeshBlock<D> {
     }
 
     /// The derivative of [`Self::follow`].
-    fn follow_along(&self, tangent: &mut Exchange) {
+    pub(crate) fn follow_along(&self, tangent: &mut Exchange) {
         let still = vec![0.0; self.bottom.len()];
         tangent.mesh_velocity = self.velocities_that_follow(&still, &tangent.wall_displacement);
         tangent.mesh_moves = tangent.mesh_velocity.iter().any(|&v| v != 0.0);
@@ -251,6 +251,9 @@ impl<const D: usize> Block for MeshBlock<D> {
 
     fn product(&mut self, w: &[f64], tangent: &mut Exchange, out: &mut [f64]) {
         out.fill(0.0);
+        if tangent.effect_is_kept {
+            return;
+        }
         if self.follows_everywhere() {
             return self.follow_along(tangent);
         }
@@ -267,6 +270,9 @@ impl<const D: usize> Block for MeshBlock<D> {
 
     fn precondition(&mut self, r: &[f64], tangent: &mut Exchange, w: &mut [f64]) {
         w.fill(0.0);
+        if tangent.effect_is_kept {
+            return;
+        }
         tangent.mesh_moves = false;
         if self.follows_everywhere() {
             return self.follow_along(tangent);

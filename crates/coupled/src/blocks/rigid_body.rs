@@ -85,6 +85,8 @@ pub struct RigidBody<const D: usize> {
     flow_loads: Vec<f64>,
     /// Q at that point.
     loads: Loads<f64>,
+    /// The derivatives of Q there along every rate, at fixed nodal loads, once they are needed.
+    load_columns: Option<Vec<Vec<f64>>>,
     inverse: Option<Matrix>,
     inverse_pseudo_time: f64,
     /// The length of most slabs; the weights refer to it.
@@ -108,6 +110,7 @@ impl<const D: usize> RigidBody<D> {
             surface_columns: None,
             flow_loads: Vec::new(),
             loads: Loads::default(),
+            load_columns: None,
             inverse: None,
             inverse_pseudo_time: 0.0,
             data,
@@ -157,22 +160,6 @@ impl<const D: usize> RigidBody<D> {
         for (q, out) in self.positions(w).chunks_exact(self.count()).zip(fields) {
             self.surface.add_to_field(&self.surface.displacement(&self.data, q), out);
         }
-    }
-
-    /// Writes the derivative of this displacement along the rates `x`.
-    fn write_surface_derivative(&mut self, x: &[f64], tangent: &mut Exchange) {
-        let columns = self.surface_columns.take().unwrap_or_else(|| self.columns_of_surface());
-        let (count, field) = (self.count(), tangent.wall_displacement.len() / self.time().order());
-        let (still, mut dq, mut sum) = (vec![0.0; count], vec![0.0; count], vec![0.0; self.surface.nodes.len() * D]);
-        for (a, out) in tangent.wall_displacement.chunks_exact_mut(field).enumerate() {
-            self.motion.displacement_at_node(self.slab.dt, &still, x, a, &mut dq);
-            sum.fill(0.0);
-            for (dq, column) in dq.iter().zip(columns.chunks_exact(sum.len()).skip(a * count)) {
-                sum.iter_mut().zip(column).for_each(|(sum, derivative)| *sum += dq * derivative);
-            }
-            self.surface.add_to_field(&sum, out);
-        }
-        self.surface_columns = Some(columns);
     }
 
     /// The derivatives of the surface at the time nodes along the coordinates, `[a][k][node][component]`.
@@ -228,7 +215,7 @@ impl<const D: usize> Block for RigidBody<D> {
             rate: stored[count..2 * count].to_vec(),
             surface: self.surface.gather(&state.d),
         };
-        (self.inverse, self.surface_columns) = (None, None);
+        (self.inverse, self.surface_columns, self.load_columns) = (None, None, None);
         self.check_turn()
     }
 
@@ -251,8 +238,7 @@ impl<const D: usize> Block for RigidBody<D> {
         self.inverse = None;
     }
 
-    fn product(&mut self, x: &[f64], tangent: &mut Exchange, out: &mut [f64]) {
-        self.write_surface_derivative(x, tangent);
+    fn product(&mut self, x: &[f64], _tangent: &mut Exchange, out: &mut [f64]) {
         out.copy_from_slice(&self.dynamics_product(x));
         let moved = self.load_derivative_of_motion(x);
         self.subtract_loads(&moved, out);
@@ -262,7 +248,7 @@ impl<const D: usize> Block for RigidBody<D> {
         self.subtract_loads(&self.load_derivative(&tangent.wall_loads), out);
     }
 
-    fn precondition(&mut self, r: &[f64], tangent: &mut Exchange, x: &mut [f64]) {
+    fn precondition(&mut self, r: &[f64], _tangent: &mut Exchange, x: &mut [f64]) {
         if self.inverse.is_none() {
             self.inverse = self.preconditioner();
         }
@@ -270,7 +256,6 @@ impl<const D: usize> Block for RigidBody<D> {
             Some(inverse) => inverse.apply(r, x),
             None => x.copy_from_slice(r),
         }
-        self.write_surface_derivative(x, tangent);
     }
 
     /// (1/dtau) omega_a (M + added mass) dt.
@@ -300,6 +285,7 @@ impl<const D: usize> Body for RigidBody<D> {
             position: position.to_vec(),
             rate: rate.to_vec(),
             ledger: Ledger::read(ledger),
+            reactions: Vec::new(),
         }
     }
 
@@ -324,6 +310,21 @@ impl<const D: usize> Body for RigidBody<D> {
         }
         self.prescribe_rates(z);
         self.set_rates(z, exchange);
+    }
+
+    fn move_walls(&mut self, x: &[f64], displacement: &mut [f64]) {
+        let columns = self.surface_columns.take().unwrap_or_else(|| self.columns_of_surface());
+        let (count, field) = (self.count(), displacement.len() / self.time().order());
+        let (still, mut dq, mut sum) = (vec![0.0; count], vec![0.0; count], vec![0.0; self.surface.nodes.len() * D]);
+        for (a, out) in displacement.chunks_exact_mut(field).enumerate() {
+            self.motion.displacement_at_node(self.slab.dt, &still, x, a, &mut dq);
+            sum.fill(0.0);
+            for (dq, column) in dq.iter().zip(columns.chunks_exact(sum.len()).skip(a * count)) {
+                sum.iter_mut().zip(column).for_each(|(sum, derivative)| *sum += dq * derivative);
+            }
+            self.surface.add_to_field(&sum, out);
+        }
+        self.surface_columns = Some(columns);
     }
 
     fn nodes_with_velocity_at_top(&self) -> Vec<usize> {

@@ -1,6 +1,6 @@
 //! What ranks send each other of a flow. Every call is collective.
 
-use super::{Cut, Share};
+use super::{Cut, Share, numbers_of};
 use crate::batches::Permutation;
 use crate::traces::{Traced, Traces};
 use std::ops::Range;
@@ -77,9 +77,7 @@ impl Share {
 
     /// Fills `ghosts` with `len` numbers for every ghost.
     fn exchange(&self, of_own: &[f64], len: usize, mut ghosts: &mut [f64]) {
-        let packed = |cells: &Vec<usize>| -> Vec<f64> {
-            cells.iter().flat_map(|&cell| of_own[cell * len..(cell + 1) * len].iter().copied()).collect()
-        };
+        let packed = |cells: &Vec<usize>| numbers_of(cells.iter().copied(), of_own, len);
         let sent: Vec<(usize, Vec<f64>)> = self.sends.iter().map(|(rank, cells)| (*rank, packed(cells))).collect();
         let sends: Vec<(usize, &[f64])> = sent.iter().map(|(rank, numbers)| (*rank, &numbers[..])).collect();
         let mut receives = Vec::with_capacity(self.receives.len());
@@ -171,8 +169,7 @@ impl Share {
     /// own cell. A collective call with the same cells.
     pub fn gather(&self, of_own: &[f64], cells: &[usize]) -> Vec<f64> {
         let len = of_own.len() / self.own.len().max(1);
-        let own: Vec<f64> =
-            self.own_among(cells).flat_map(|cell| &of_own[cell * len..(cell + 1) * len]).copied().collect();
+        let own = numbers_of(self.own_among(cells), of_own, len);
         let communicator = self.sums.communicator();
         if communicator.rank() > 0 {
             if !own.is_empty() {
@@ -222,7 +219,7 @@ impl Share {
             return own;
         }
         for (rank, cells) in self.cells_of_ranks.iter().enumerate().skip(1).filter(|_| len > 0) {
-            let part: Vec<f64> = cells.iter().flat_map(|&cell| &whole[cell * len..(cell + 1) * len]).copied().collect();
+            let part = numbers_of(cells.iter().copied(), whole, len);
             communicator.exchange(&[(rank, &part)], &mut []);
         }
         self.own_part(whole)

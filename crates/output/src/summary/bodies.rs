@@ -37,7 +37,8 @@ pub struct Body {
     /// Its rotation vector, where it turns about several axes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotation_vector: Option<Vec<f64>>,
-    /// Its velocity.
+    /// Its velocity; empty for a static analysis.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub velocity: Vec<f64>,
     /// Its angular velocity.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -45,7 +46,7 @@ pub struct Body {
     /// The vector of its angular velocity, where it turns about several axes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angular_velocity_vector: Option<Vec<f64>>,
-    /// The amplitude of the coordinate that oscillates most, over the last ten periods at most.
+    /// The amplitude of the coordinate that moves it most, over the last ten periods at most.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitude: Option<f64>,
     /// Its frequency.

@@ -15,9 +15,10 @@ pub struct Part {
 
 /// The parts of the slab from `start` to `end` that are averaged, in the order of time.
 pub fn parts(wanted: &Averages, start: f64, end: f64) -> Vec<Part> {
+    let round_off = Averages::ROUND_OFF * (end - start);
     let (start, end) = (start.max(wanted.from), wanted.to.map_or(end, |to| end.min(to)));
     match wanted.phases {
-        _ if start >= end => Vec::new(),
+        _ if end - start <= round_off => Vec::new(),
         None => vec![Part { phase: 0, start, end }],
         Some(phases) => by_phase(phases, wanted.from, start, end),
     }
@@ -54,6 +55,8 @@ mod tests {
         assert_eq!(parts(&wanted, 0.5, 1.5), [Part { phase: 0, start: 1.0, end: 1.5 }]);
         assert_eq!(parts(&wanted, 1.5, 2.5), [Part { phase: 0, start: 1.5, end: 2.0 }]);
         assert_eq!(parts(&wanted, 2.0, 3.0), []);
+        // These were averages over 1e-16, without a warning.
+        assert_eq!(parts(&wanted, 0.5, 1.0 + 1e-15), []);
     }
 
     #[test]

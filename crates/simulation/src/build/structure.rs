@@ -3,7 +3,7 @@
 use super::mesh_motion::moved_by;
 use case::expression::Program;
 use case::{Analysis, Case, Plane, Structure, StructureLaw, Support, Vector};
-use coupled::{Equations, StructureMarch, Supports};
+use coupled::{Equations, Reactions, StructureMarch, Supports};
 use elasticity::{
     Dynamics, ElasticityError, Loads, MaterialProperty, Pressure, Solid, Statics, Structure as Body, Traction,
 };
@@ -92,22 +92,35 @@ pub fn solid<const D: usize>(structure: &Structure<D>) -> Solid<D> {
     }
 }
 
-/// The prescribed components of nodes, and their motion.
+/// The prescribed components of nodes, their motion, and the reactions that they count for.
 fn supports<const D: usize>(
     mesh: &Mesh<D>,
     numbering: &NodeNumbering,
     boundary: &[Support<D>],
 ) -> (Vec<[bool; D]>, Supports<D>) {
-    let mut fixed = vec![[false; D]; numbering.count];
-    for (index, support) in boundary.iter().enumerate() {
-        for node in numbering.on_boundary(mesh, index) {
-            (0..D).for_each(|i| fixed[node][i] |= support.fixes()[i]);
+    let mut of_entry = vec![None; numbering.count * D];
+    for (number, (boundary, component)) in supported(boundary).enumerate() {
+        for node in numbering.on_boundary(mesh, boundary) {
+            // What several supports prescribe counts for the first one.
+            of_entry[node * D + component].get_or_insert(number);
         }
     }
+    let prescribed = |node: &[Option<usize>; D]| node.map(|number| number.is_some());
+    let fixed = of_entry.as_chunks().0.iter().map(prescribed).collect();
+    let reactions = Reactions { count: supported(boundary).count(), of_entry };
     let moved = |support: &Support<D>| if let Support::Moved(g) = support { Some(g.clone()) } else { None };
     let moved: Vec<Option<Vector<D>>> = boundary.iter().map(moved).collect();
     let fields = moved.iter().flatten().map(|g| Arc::new(g.clone()) as Arc<dyn VectorField<D>>).collect();
-    (fixed, Supports { fields, field_of_node: moved_by(mesh, numbering, &moved) })
+    (fixed, Supports { fields, field_of_node: moved_by(mesh, numbering, &moved), reactions })
+}
+
+/// The components with a reaction, each with its boundary: those that a support of the `boundary` prescribes.
+pub fn supported<const D: usize>(boundary: &[Support<D>]) -> impl Iterator<Item = (usize, usize)> {
+    let of_boundary = |(index, support): (usize, &Support<D>)| {
+        let fixes = support.fixes();
+        (0..D).filter(move |i| fixes[*i]).map(move |i| (index, i))
+    };
+    boundary.iter().enumerate().flat_map(of_boundary)
 }
 
 fn loads<const D: usize>(structure: &Structure<D>) -> Loads<D> {

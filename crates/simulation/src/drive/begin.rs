@@ -4,6 +4,7 @@ use super::{Call, Run};
 use crate::context::{RunContext, Stop};
 use crate::cuts::Reached;
 use crate::error::Failure;
+use crate::frame_checks::jump_of_centrifugal_force;
 use crate::observer::Observer;
 use crate::occupied::{self, Beginning};
 use crate::record::{MeshView, Recorder, Snapshot, StructureSnapshot};
@@ -63,12 +64,17 @@ pub(super) fn warn_of_end<const D: usize>(case: &Case<D>, time: f64, observer: &
 
 /// Says that the averages of `case` begin after its end, if they do.
 pub(super) fn warn_of_averages<const D: usize>(case: &Case<D>, observer: &dyn Observer) {
-    if let Some(averages) = case.averages.as_ref().filter(|averages| averages.from >= case.time.end) {
+    if let Some(averages) = case.averages.as_ref().filter(|averages| averages.begin_after(&case.time)) {
         observer.say(&format!(
             "warning: the run has no averages: they begin at t = {}, and its end is {} (`output.averages.from`)",
             averages.from, case.time.end
         ));
     }
+}
+
+/// Warns if the forces of a rotating frame are not periodic where the mesh is.
+pub(super) fn warn_of_frame<const D: usize>(case: &Case<D>, observer: &dyn Observer) {
+    jump_of_centrifugal_force(case).iter().for_each(|text| observer.say(&format!("warning: {text}")));
 }
 
 /// Begins a new run, also one that starts from the result of another. Returns why it stopped early, if it did.

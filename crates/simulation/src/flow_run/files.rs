@@ -3,7 +3,7 @@
 use super::FlowRun;
 use crate::averages::{AlongFiles, AverageSums, PhaseFile};
 use crate::drive::Run;
-use crate::surfaces::{self, MeansOf};
+use crate::surfaces::{self, MeansOf, Section};
 use case::{Averages, State, Wall, rounded_time};
 use fem::StateField;
 use navier_stokes::{Boundary, Compiled, Exact, ExactState, Manufactured, NavierStokes};
@@ -70,9 +70,17 @@ where
         let (Some(averages), Some(_)) = (&self.case.averages, self.case.output.surfaces_every) else { return Ok(()) };
         let interval = [averages.from, averages.to.unwrap_or(f64::INFINITY)];
         let mover = &self.march.solver.system.mesh.mover;
-        let curves = surfaces::curves_of(&mover.reference, &mover.numbering, wall.boundary);
+        let Some(section) = Section::new(&mover.reference, &mover.numbering, wall.boundary, &self.surface_rule) else {
+            tracing::warn!(
+                "the wall `{}` has no means and no separation: it is not extruded along z, so that it has no curve in the plane x, y; its \
+                 distributions are in {}.csv",
+                wall.name,
+                series.array.name
+            );
+            return Ok(());
+        };
         let slips = matches!(self.flow.boundary[wall.boundary].condition, Boundary::SlipWall(_));
-        let means = MeansOf { series, curves: &curves, slips };
+        let means = MeansOf { series, section: &section, slips };
         if !surfaces::write_means(directory, D, &means, interval)? {
             let (first, last) = (series.times.first(), series.times.last());
             tracing::warn!(

@@ -11,7 +11,7 @@ use crate::probes::FlowAtPoints;
 use crate::record::top;
 use crate::{history, integrals, openings};
 use case::State;
-use fem::StateField;
+use fem::{Clock, DataTime, StateField};
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 
 impl<const D: usize, const M: usize> FlowRun<'_, D, M>
@@ -55,6 +55,15 @@ where
             velocity: state.past.as_ref().map_or(&[][..], |past| top(&past.v, &state.d)),
             time: state.time,
         }
+    }
+
+    /// The times at which data of walls are read for the end of the last slab.
+    pub(super) fn data_times(&self) -> Vec<DataTime> {
+        let state = self.state();
+        let Some(past) = &state.past else { return vec![DataTime::alone(state.time)] };
+        let operator = &self.march.solver.system.flow.operator;
+        let clock = Clock::of_slab(past.interval.start, past.dt, operator.held_time());
+        operator.tables.data_times(clock, past.dt)
     }
 
     /// The mean states at openings, the flow at the points of the case, and its integrals.

@@ -1,17 +1,18 @@
 //! The facets of a wall in the plane as curves: one after the other, with the domain on their right.
 
+use crate::opening_states::dot_of;
 use basis::{Lagrange, Rule, gauss};
 use mesh::{BoundaryFacet, Mesh, NodeNumbering, curve_order, first_node, tangent_sign};
 
 /// A facet, as a part of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Arc {
+pub(super) struct Arc {
     /// Its first and its last node.
-    ends: [usize; 2],
+    pub ends: [usize; 2],
     /// Their positions.
-    positions: [[f64; 2]; 2],
+    pub positions: [[f64; 2]; 2],
     /// Its number in the list of facets.
-    facet: usize,
+    pub facet: usize,
 }
 
 /// A curve of a wall: facets that follow each other.
@@ -58,14 +59,13 @@ pub fn in_order<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering, facet
     curves(mesh, numbering, facets).into_iter().flat_map(|curve| curve.facets).collect()
 }
 
-/// The curves of the wall `boundary` in the plane. In three dimensions there are none.
-pub fn curves_of<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering, boundary: usize) -> Vec<Curve> {
-    if D == 2 { curves(mesh, numbering, &facets_of(mesh, boundary)) } else { Vec::new() }
-}
-
 /// The curves of a wall in the plane with these `facets`. A curve begins at its end or, if it is closed, at the node with the largest x and
 /// then the smallest y, at which the fraction s of formulas begins, too. So do several curves among each other.
-fn curves<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering, facets: &[BoundaryFacet]) -> Vec<Curve> {
+pub(super) fn curves<const D: usize>(
+    mesh: &Mesh<D>,
+    numbering: &NodeNumbering,
+    facets: &[BoundaryFacet],
+) -> Vec<Curve> {
     let arc = |(number, facet): (usize, &BoundaryFacet)| {
         let (nodes, places) = (numbering.face::<D>(facet.side), mesh.face_positions(facet.side));
         let mut ends = [nodes[0], nodes[nodes.len() - 1]];
@@ -80,7 +80,7 @@ fn curves<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering, facets: &[B
 }
 
 /// The curves of `arcs`, in which an arc follows the one at whose end it begins.
-fn chained(mut arcs: Vec<Arc>) -> Vec<Curve> {
+pub(super) fn chained(mut arcs: Vec<Arc>) -> Vec<Curve> {
     // From now on the order does not depend on that of the mesh.
     arcs.sort_by(|a, b| curve_order(&a.positions[0], &b.positions[0]));
     let mut curves = Vec::new();
@@ -116,6 +116,11 @@ pub fn integrals(rule: &Rule) -> Vec<Vec<f64>> {
         sums
     };
     rule.points.iter().map(up_to).collect()
+}
+
+/// The lengths up to the points of a facet that begins at `start`, from the speeds at them and the [`integrals`].
+pub fn lengths_up_to(speeds: &[f64], integrals: &[Vec<f64>], start: f64) -> Vec<f64> {
+    integrals.iter().map(|integrals| start + dot_of(speeds, integrals)).collect()
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ use basis::Rule;
 use case::surface_name;
 use case::{BoundaryData, Flow, Wall};
 use coupled::MeshMover;
-use fem::{BoundaryPoint, ConservationLaw, Inside, PointFlux, Quadrature, Sampler};
+use fem::{BoundaryPoint, ConservationLaw, DataTime, Inside, PointFlux, Quadrature, Sampler};
 use mesh::{BoundaryFacet, axis_and_side, outward_area, outward_sign};
 use navier_stokes::{Boundary, NavierStokes, Primitive};
 use output::ArraySpec;
@@ -30,6 +30,8 @@ pub struct SurfaceFlow<'a, const D: usize> {
     pub flow: &'a Flow<D>,
     /// The time.
     pub time: f64,
+    /// The times of [`DataTime`] in the slab below.
+    pub data_times: &'a [DataTime],
     /// The mesh.
     pub mover: &'a MeshMover<D>,
     /// Its displacement, `[C0 node][component]`.
@@ -133,9 +135,8 @@ impl<const D: usize> SurfaceFlow<'_, D> {
         // s, arc length, position, normal, area.
         let (arc, area) = (1, 2 + 2 * D);
         let speeds: Vec<f64> = rows.iter().zip(&self.rule.weights).map(|(row, weight)| row[area] / weight).collect();
-        for (row, integrals) in rows.iter_mut().zip(up_to_points) {
-            row[arc] = start + dot_of(&speeds, integrals);
-        }
+        let lengths = curve::lengths_up_to(&speeds, up_to_points, start);
+        rows.iter_mut().zip(lengths).for_each(|(row, length)| row[arc] = length);
         start + rows.iter().map(|row| row[area]).sum::<f64>()
     }
 
@@ -193,15 +194,32 @@ impl<const D: usize> SurfaceFlow<'_, D> {
         [&normal[..], &areas, &friction, &tangential.map(|tau| tau / q), &scalars].concat()
     }
 
+    /// The data of the wall. Where the gas takes their values, they are those of [`DataTime`].
+    fn data<const M: usize>(&self, here: &Here<'_, D, M>) -> [f64; M]
+    where
+        NavierStokes<D>: ConservationLaw<D, M, Boundary = Boundary<D>>,
+    {
+        let BoundaryData { condition, data, .. } = &self.flow.boundary[here.wall.boundary];
+        let (mut sum, exact) = ([0.0; M], [DataTime::alone(self.time)]);
+        let Some(data) = data else { return sum };
+        for &DataTime { time, before, share } in
+            if self.flow.law.imposes_data(*condition) { self.data_times } else { &exact }
+        {
+            let then = std::array::from_fn(|i| here.position[i] - before * here.velocity[i]);
+            let values: [f64; M] = data.at(&then, time);
+            sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += share * value);
+        }
+        sum
+    }
+
     /// The numerical flux of the wall.
     fn flux<const M: usize>(&self, here: &Here<'_, D, M>) -> WallFlux<D>
     where
         NavierStokes<D>: ConservationLaw<D, M, Boundary = Boundary<D>>,
     {
-        let BoundaryData { condition, data, .. } = &self.flow.boundary[here.wall.boundary];
-        let (law, condition) = (&self.flow.law, *condition);
+        let (law, condition) = (&self.flow.law, self.flow.boundary[here.wall.boundary].condition);
         let (normal, size) = unit_normal(here);
-        let data = data.as_ref().map_or([0.0; M], |data| data.at(&here.position, self.time));
+        let data = self.data(here);
         let at = BoundaryPoint { normal: &normal, velocity: &here.velocity, data: &data };
         let inside = law.is_viscous().then(|| Inside {
             gradient: here.gradient,

@@ -1,18 +1,18 @@
 //! Means over time of the distribution along a wall, and where the mean flow separates from it.
 //!
 //! ```text
-//! <q>(s) = sum_k w_k sum_j area_j q_j(t_k) / sum_k w_k sum_j area_j,    over the rows j with the same s                                (mean)
+//! <q>(s) = sum_k w_k sum_j area_j q_j(t_k) / sum_k w_k sum_j area_j,    over the rows j at the same point                              (mean)
 //! w_k = int h_k dt,    h_k the piecewise linear function that is 1 at t_k and 0 at the other times, over the interval of the averages
 //! c_s = c_f . t,    t along increasing s, with the gas on the right                                                (skin friction)
 //! error = 2.36 sd(<q>_1, ..., <q>_8) / 8^1/2,    <q>_b the means over eight parts of the interval                                     (error)
 //! ```
 //!
-//! A wall that is a curve extruded along z has many rows with the same s: the mean is also one over the span. The flow separates where
-//! <c_s> falls through zero along the direction from which it comes: where <c_s> goes from plus to minus with s. It attaches where <c_s>
+//! A wall that consists of curves extruded along z has many rows at the same point: the mean is also one over the span. The flow
+//! separates where <c_s> falls through zero along the direction from which it comes: where <c_s> goes from plus to minus with s. It attaches where <c_s>
 //! goes from minus to plus, as at a stagnation point. The error is half of a 95 % confidence interval, if the parts are longer than the
 //! correlation time of the flow.
 //!
-//! A wall in the plane may consist of several curves. Each has zeros of its own: none lies between the end of a curve and the start of another.
+//! A wall may consist of several curves. Each has zeros of its own: none lies between the end of a curve and the start of another.
 
 #[cfg(test)]
 mod tests;
@@ -20,14 +20,12 @@ mod weights;
 
 use super::columns::{Column, columns};
 use super::curve::Curve;
+use super::section::Section;
 use output::{OutputError, Series, write_atomically};
 use std::array::from_fn;
 use std::fmt::Write;
 use std::path::Path;
 use weights::TimeWeights;
-
-/// Rows of one time are the same point of the cross-section if their s differ by less.
-const SAME: f64 = 1e-9;
 
 /// The parts of the times for (error), and Student's factor of 95 % for so many.
 const PARTS: usize = 8;
@@ -47,7 +45,7 @@ struct Row {
     place: f64,
     /// Mean x and y.
     position: [f64; 2],
-    /// Its part of the wall.
+    /// Its part of the wall; of an extruded one, its part of the curve at rest.
     area: f64,
     means: [f64; QUANTITIES.len()],
     errors: [f64; QUANTITIES.len()],
@@ -65,14 +63,14 @@ struct Zero {
 pub struct MeansOf<'a> {
     /// Its distributions.
     pub series: &'a Series,
-    /// In the plane, the curves of which it consists.
-    pub curves: &'a [Curve],
+    /// Its points.
+    pub section: &'a Section,
     /// Whether the gas slips along it: the friction is round-off, and nothing separates.
     pub slips: bool,
 }
 
-/// Writes `surface_NAME_mean.csv` and `surface_NAME_separation.csv` of a wall over the times in `interval`; in three dimensions only for walls
-/// that are extruded curves. Returns whether the interval meets the time between the first and the last distribution: otherwise there is no mean.
+/// Writes `surface_NAME_mean.csv` and `surface_NAME_separation.csv` of a wall over the times in `interval`. Returns whether the
+/// interval meets the time between the first and the last distribution: otherwise there is no mean.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -82,38 +80,19 @@ pub fn write_means(
     wall: &MeansOf<'_>,
     interval: [f64; 2],
 ) -> Result<bool, OutputError> {
-    let MeansOf { series, curves, slips } = *wall;
-    let width = columns(dimension).iter().map(|column| column.components).sum();
+    let MeansOf { series, section, slips } = *wall;
     let values: Vec<&[f64]> = series.values.chunks_exact(series.array.len()).collect();
     let Some(weights) = TimeWeights::new(&series.times, interval) else { return Ok(false) };
-    let Some(groups) = values.first().and_then(|values| groups(dimension, values, width)) else { return Ok(true) };
-    let snapshots = Snapshots::new(dimension, &values, weights);
-    let rows: Vec<Row> = groups.iter().map(|group| snapshots.row(group)).collect();
-    let file = |end: &str| directory.join(format!("{}_{end}.csv", series.array.name));
     let is_closed = is_closed(&values);
+    let rows = Snapshots::new(dimension, &values, weights).rows(section);
+    let file = |end: &str| directory.join(format!("{}_{end}.csv", series.array.name));
     let place = if is_closed { "s" } else { "arc_length" };
     write_atomically(&file("mean"), table(place, &rows).as_bytes())?;
     if slips {
         return Ok(true);
     }
-    let parts = match dimension {
-        2 => parts(&rows, curves, series.array.axes[1].length, is_closed),
-        _ => vec![Part::extruded(&rows)],
-    };
-    let zeros: Vec<Zero> = parts.iter().flat_map(Part::zeros).collect();
+    let zeros: Vec<Zero> = parts(&rows, &section.curves, is_closed).iter().flat_map(Part::zeros).collect();
     write_atomically(&file("separation"), list(place, &zeros).as_bytes()).map(|()| true)
-}
-
-/// The rows of a time that are the same point of the cross-section, point after point.
-fn groups(dimension: usize, values: &[f64], width: usize) -> Option<Vec<Vec<usize>>> {
-    let count = values.len() / width;
-    if dimension == 2 {
-        return Some((0..count).map(|row| vec![row]).collect());
-    }
-    let s = |row: &usize| values[row * width];
-    let mut order: Vec<usize> = (0..count).collect();
-    order.sort_by(|a, b| s(a).total_cmp(&s(b)));
-    (!s(&0).is_nan()).then(|| order.chunk_by(|a, b| s(b) - s(a) < SAME).map(<[usize]>::to_vec).collect())
 }
 
 /// Whether the wall has s.
@@ -132,8 +111,8 @@ struct Snapshots<'a> {
     position: usize,
     normal: usize,
     quantities: [usize; QUANTITIES.len()],
-    /// That of the place along the wall.
-    place: usize,
+    /// That of the place along the wall, if rows have it.
+    place: Option<usize>,
 }
 
 impl<'a> Snapshots<'a> {
@@ -141,7 +120,7 @@ impl<'a> Snapshots<'a> {
         let columns = columns(dimension);
         let count = |columns: &[Column]| columns.iter().map(|column| column.components).sum();
         let first = |name: &str| count(&columns[..columns.iter().take_while(|column| column.name != name).count()]);
-        let place = usize::from(dimension == 2 && !is_closed(values));
+        let place = if is_closed(values) { Some(0) } else { (dimension == 2).then_some(1) };
         let (width, quantities) = (count(&columns), QUANTITIES.map(first));
         Snapshots {
             values,
@@ -192,12 +171,20 @@ impl<'a> Snapshots<'a> {
         sum / weights.iter().sum::<f64>()
     }
 
-    fn row(&self, group: &[usize]) -> Row {
+    /// The means at all points of the `section`.
+    fn rows(&self, section: &Section) -> Vec<Row> {
+        let lengths = section.lengths.iter().copied().map(Some).chain(std::iter::repeat(None));
+        section.rows.iter().zip(lengths).map(|(group, lengths)| self.row(group, lengths)).collect()
+    }
+
+    /// The means at a point. `lengths` are those of an extruded wall.
+    fn row(&self, group: &[usize], lengths: Option<[f64; 2]>) -> Row {
         let mean = |of: &dyn Fn(&[f64]) -> f64| self.mean(&self.weights.whole, group, of);
+        let place = self.place.map(|place| mean(&|row| row[place]));
         Row {
-            place: mean(&|row| row[self.place]),
+            place: place.or(lengths.map(|[length, _]| length)).unwrap_or(f64::NAN),
             position: [0, 1].map(|i| mean(&|row| row[self.position + i])),
-            area: self.area(group),
+            area: lengths.map_or_else(|| self.area(group), |[_, part]| part),
             means: from_fn(|number| mean(&|row| self.quantity(row, number))),
             errors: from_fn(|number| self.error(group, number)),
         }
@@ -223,8 +210,9 @@ struct Part<'a> {
     length: f64,
 }
 
-/// The parts of the `rows` that are the `curves`, with so many rows in a facet. A wall that has s is one curve.
-fn parts<'a>(rows: &'a [Row], curves: &[Curve], of_facet: usize, has_s: bool) -> Vec<Part<'a>> {
+/// The parts of the `rows` that are the `curves`. A wall that has s is one curve.
+fn parts<'a>(rows: &'a [Row], curves: &[Curve], has_s: bool) -> Vec<Part<'a>> {
+    let of_facet = rows.len() / curves.iter().map(|curve| curve.facets.len()).sum::<usize>();
     let (mut rest, mut start) = (rows, 0.0);
     let part = |curve: &Curve| {
         let (rows, others) = rest.split_at(curve.facets.len() * of_facet);
@@ -238,12 +226,7 @@ fn parts<'a>(rows: &'a [Row], curves: &[Curve], of_facet: usize, has_s: bool) ->
     curves.iter().map(part).collect()
 }
 
-impl<'a> Part<'a> {
-    /// A wall that is extruded along z: it has s, so that it is closed.
-    fn extruded(rows: &'a [Row]) -> Self {
-        Part { rows, jumps: vec![[0.0; 2]; rows.len()], is_closed: true, start: 0.0, length: 1.0 }
-    }
-
+impl Part<'_> {
     /// Where the mean skin friction changes its sign between neighbouring rows, by linear interpolation.
     fn zeros(&self) -> Vec<Zero> {
         let (start, length) = (self.start, self.length);

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `distribution` | pressure, friction and heat at the points of a wall |
 //! | `curve` | the facets of a wall in the plane, one after the other |
+//! | `section` | the points of a wall in the plane, or of the cross-section of an extruded one |
 //! | `columns` | the numbers of a point, and their names |
 //! | `files` | the files of a wall |
 //! | `added` | walls whose distributions begin later than the run |
@@ -16,11 +17,12 @@ mod curve;
 mod distribution;
 mod files;
 mod mean;
+mod section;
 
 pub use added::{added, late_means};
 pub use case::surface_name;
 pub use columns::{Column, columns};
-pub use curve::curves_of;
 pub use distribution::{SurfaceFlow, physical};
 pub use files::write;
 pub use mean::{MeansOf, write_means};
+pub use section::Section;

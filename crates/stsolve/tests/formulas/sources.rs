@@ -1,5 +1,6 @@
 //! Sponges, given sources and a rotating frame.
 
+use crate::common::stsolve;
 use crate::{largest_error, run};
 use tempfile::TempDir;
 
@@ -77,6 +78,20 @@ order = 2
 end = 1
 slabs = 8
 "#;
+
+/// Nothing was said of a box that is periodic in the plane of rotation.
+#[test]
+fn the_centrifugal_force_jumps_across_a_periodic_boundary() {
+    let directory = TempDir::new().unwrap();
+    std::fs::write(directory.path().join("case.toml"), TURNING).unwrap();
+    let set = ["time.end=1e-6", "time.slabs=1", "mesh.generate.box.periodic=[\"x\"]"];
+    let set: Vec<&str> = set.iter().flat_map(|change| ["--set", *change]).collect();
+    let warning = "the centrifugal force of `flow.rotation` jumps";
+    let checked = |set: &[&str]| stsolve(directory.path(), &[&["check", "case.toml"], set].concat()).stdout;
+    assert!(checked(&set).contains(warning) && !checked(&[]).contains(warning));
+    let command = [&["run", "case.toml", "--output", "periodic"], &set[..]].concat();
+    stsolve(directory.path(), &command).expect(0, &[warning]);
+}
 
 #[test]
 fn a_uniform_stream_is_one_in_a_rotating_frame() {

@@ -1,7 +1,7 @@
 //! An elastic body in one slab: supports, loads of the flow, walls, energy.
 
 use super::ElasticBody;
-use crate::block::{Exchange, Ledger};
+use crate::block::Ledger;
 use crate::blocks::slab_times::at_each_point;
 use crate::state::extend;
 use elasticity::{SlabBottom, StructureSlab};
@@ -22,6 +22,8 @@ pub(super) struct Slab {
     pub(super) forces: Vec<f64>,
     /// g'(s_a) at fixed entries, zero elsewhere.
     pub(super) supports: Vec<f64>,
+    /// The mean force of the supports, once the slab has ended.
+    pub(super) reaction: Vec<f64>,
 }
 
 impl<const D: usize> ElasticBody<D> {
@@ -56,10 +58,10 @@ impl<const D: usize> ElasticBody<D> {
     }
 
     /// Writes the displacement of the walls at the time nodes, from the displacement at the `bottom` and the velocities `w`.
-    pub(super) fn write_walls(&self, bottom: &[f64], w: &[f64], exchange: &mut Exchange) {
-        let field = exchange.wall_displacement.len() / self.motion.time().order();
+    pub(super) fn write_walls(&self, bottom: &[f64], w: &[f64], displacement: &mut [f64]) {
+        let field = displacement.len() / self.motion.time().order();
         let mut d = vec![0.0; bottom.len()];
-        for (a, out) in exchange.wall_displacement.chunks_exact_mut(field).enumerate() {
+        for (a, out) in displacement.chunks_exact_mut(field).enumerate() {
             self.motion.displacement_at_node(self.slab.dt, bottom, w, a, &mut d);
             self.interface.add_displacement(D, &d, out);
         }
@@ -80,15 +82,17 @@ impl<const D: usize> ElasticBody<D> {
         loads
     }
 
-    /// The ledger after the slab with the velocities `w`.
-    pub(super) fn closed(&self, w: &[f64], before: Ledger) -> Ledger {
+    /// The ledger after the slab with the velocities `w`; keeps the reaction of the supports.
+    pub(super) fn closed(&mut self, w: &[f64], before: Ledger) -> Ledger {
         let (slab, fixed) = (self.in_slab(), self.data.structure.fixed());
         let mut r = vec![0.0; w.len()];
         // The slab is solved, so the residual is defined.
         let _ = slab.residual(&self.slab.forces, w, &mut r);
         r.iter_mut().zip(&self.flow_loads).for_each(|(r, load)| *r -= load);
         let work = slab.work(&self.slab.forces, w, &r);
+        let reaction = slab.reaction(&r);
         let open: Vec<f64> = r.iter().enumerate().map(|(i, r)| if fixed[i % fixed.len()] { 0.0 } else { *r }).collect();
+        self.slab.reaction = reaction;
         Ledger {
             flow: before.flow + Euclidean.dot(&self.flow_loads, w),
             drive: before.drive + work.support,

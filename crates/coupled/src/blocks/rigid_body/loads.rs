@@ -12,6 +12,7 @@
 use super::geometry::six;
 use super::{RigidBody, Six, SurfaceNode, along, derivatives, lifted};
 use crate::blocks::slab_times::at_each_point;
+use basis::Matrix;
 use tensor::{Transcendental, cross, dot};
 
 /// The load without the correction, and the work of the wall.
@@ -38,6 +39,7 @@ impl<const D: usize> RigidBody<D> {
     /// Computes the load at the point of linearisation and evaluation.
     pub(super) fn set_loads(&mut self) {
         self.loads = self.load(&self.w, &self.flow_loads);
+        self.load_columns = None;
     }
 
     /// Q with the correction, at the rates `w`.
@@ -116,15 +118,27 @@ impl<const D: usize> RigidBody<D> {
     }
 
     /// The derivative of Q along the rates `x`, at fixed nodal loads: the arms and the velocity of the wall change.
-    pub(super) fn load_derivative_of_motion(&self, x: &[f64]) -> Vec<f64> {
-        let w = along(&self.w, x);
-        derivatives(&self.total(&self.load(&w, &lifted(&self.flow_loads)), &w))
+    pub(super) fn load_derivative_of_motion(&mut self, x: &[f64]) -> Vec<f64> {
+        let columns = self.load_columns.take().unwrap_or_else(|| self.columns_of_load());
+        let of_row = |i: usize| columns.iter().zip(x).map(|(column, x)| column[i] * x).sum();
+        let derivative = (0..x.len()).map(of_row).collect();
+        self.load_columns = Some(columns);
+        derivative
     }
 
-    /// The derivative of Q along the nodal loads `l`, at fixed rates.
+    /// The derivatives of Q along every rate, at fixed nodal loads.
+    fn columns_of_load(&self) -> Vec<Vec<f64>> {
+        let units = Matrix::identity(self.w.len());
+        let column = |i: usize| {
+            let w = along(&self.w, units.row(i));
+            derivatives(&self.total(&self.load(&w, &lifted(&self.flow_loads)), &w))
+        };
+        (0..self.w.len()).map(column).collect()
+    }
+
+    /// The derivative of Q along the nodal loads `l`, at fixed rates: Q is linear in them.
     pub(super) fn load_derivative(&self, l: &[f64]) -> Vec<f64> {
-        let w = lifted(&self.w);
-        derivatives(&self.total(&self.load(&w, &along(&self.flow_loads, l)), &w))
+        self.total(&self.load(&self.w, l), &self.w)
     }
 
     /// r -= Q where the coordinate is not driven.

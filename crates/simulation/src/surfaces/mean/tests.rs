@@ -11,6 +11,14 @@ fn ring(count: usize) -> Curve {
     Curve { facets: (0..count).collect(), jumps: vec![[0.0; 2]; count], is_closed: true }
 }
 
+/// The section of [`circle`].
+fn section(dimension: usize) -> Section {
+    let (count, spans) = (40, if dimension == 2 { 1 } else { 3 });
+    let rows = (0..count).map(|row| (0..spans).map(|span| row + span * count).collect()).collect();
+    let lengths = if dimension == 2 { Vec::new() } else { vec![[0.0; 2]; count] };
+    Section { curves: vec![ring(count)], rows, lengths }
+}
+
 /// A circle of radius 1 in a flow from the left: friction along increasing angle is -`amplitude` sin(angle), around 1 +- 0.1 in time.
 fn circle(dimension: usize) -> Series {
     let count = 40;
@@ -45,7 +53,7 @@ fn means_over_time_and_span_have_zeros_where_the_flow_attaches_and_separates() {
     for dimension in [2, 3] {
         let directory = tempfile::tempdir().unwrap();
         // Whole periods.
-        let wall = MeansOf { series: &circle(dimension), curves: &[ring(40)], slips: false };
+        let wall = MeansOf { series: &circle(dimension), section: &section(dimension), slips: false };
         assert!(write_means(directory.path(), dimension, &wall, [1.0, 4.0]).unwrap());
         let mean = lines(directory.path(), "surface_wall_mean.csv");
         assert_eq!(mean.len(), 41);
@@ -84,7 +92,7 @@ fn no_zero_lies_between_two_curves_and_each_closed_one_is_closed_by_itself() {
     let rows = rows_of(&[1.0, 1.0, -1.0, -1.0, 1.0, -3.0, -3.0, -3.0]);
     let open = |count| Curve { is_closed: false, ..ring(count) };
     let zeros = |curves: &[Curve]| -> Vec<(&str, f64)> {
-        let parts = parts(&rows, curves, 1, false);
+        let parts = parts(&rows, curves, false);
         parts.iter().flat_map(Part::zeros).map(|zero| (zero.kind, zero.place)).collect()
     };
     assert_eq!(zeros(&[open(2), open(2), open(4)]), [("separation", 4.75)]);
@@ -98,7 +106,7 @@ fn zeros_across_a_periodic_boundary_have_a_position_at_it() {
     let rows = rows_of(&[-1.0, -1.0, 1.0]);
     let mut curve = ring(3);
     curve.jumps[0] = [-3.0, 0.0];
-    let zeros = parts(&rows, &[curve], 1, false)[0].zeros();
+    let zeros = parts(&rows, &[curve], false)[0].zeros();
     assert_eq!((zeros[1].kind, zeros[1].position), ("separation", [3.0, 0.0]));
 }
 
@@ -144,7 +152,7 @@ fn an_interval_between_distributions_has_its_mean() {
 #[test]
 fn nothing_separates_where_the_gas_slips() {
     let directory = tempfile::tempdir().unwrap();
-    let wall = MeansOf { series: &circle(2), curves: &[ring(40)], slips: true };
+    let wall = MeansOf { series: &circle(2), section: &section(2), slips: true };
     assert!(write_means(directory.path(), 2, &wall, [1.0, 4.0]).unwrap());
     assert_eq!(lines(directory.path(), "surface_wall_mean.csv").len(), 41);
     assert!(!directory.path().join("surface_wall_separation.csv").exists());

@@ -52,13 +52,13 @@ fn averages<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
         "`output.averages` begin at t = {}, and the run ends at {}: it has no averages; an earlier `from`, or a later `time.end` with `--resume`",
         averages.from, time.end
     );
-    if averages.from < time.end { None } else { warning("averages", text) }
+    if averages.begin_after(time) { warning("averages", text) } else { None }
 }
 
 /// Phases that the run does not meet.
 fn phases<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
     let (averages, time) = (facts.case.averages.as_ref()?, &facts.case.time);
-    if averages.from >= time.end {
+    if averages.begin_after(time) {
         return None;
     }
     let period = averages.phases?.period;

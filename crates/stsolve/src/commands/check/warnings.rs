@@ -5,7 +5,9 @@ use super::resolution::{cells_of_file, free_flow, layer, quadrature, slab_length
 use super::scales::{MotionScales, on_walls, speed_at_start};
 use case::{Flow, Motion, Preconditioner, State};
 use navier_stokes::{Boundary, Riemann, Source, Viscosity};
-use simulation::{PrescribedNode, speed_of_bodies_at_start, unheld_in_equilibrium, wall_that_bulges};
+use simulation::{
+    PrescribedNode, jump_of_centrifugal_force, speed_of_bodies_at_start, unheld_in_equilibrium, wall_that_bulges,
+};
 
 /// A far field nearer than this, in reference lengths, influences the flow.
 const FAR: f64 = 10.0;
@@ -48,6 +50,7 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
             bulge(facts, flow),
             exact(flow),
             rotating_frame(facts, flow),
+            jump_of_centrifugal_force(facts.case).and_then(|text| warning("rotating frame", text)),
             far_field(facts, flow),
             reference_length(facts, flow),
         ];
