@@ -69,7 +69,7 @@ def row(factor, options):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--slabs", type=int, default=5)
-    parser.add_argument("--directory", default="refined_airfoil")
+    parser.add_argument("--directory", default=ROOT / "runs/refined_airfoil")
     parser.add_argument("--threads", type=int, default=2)
     options = parser.parse_args()
     head = ["cells", "unknowns", "steady start", "slabs", "microseconds per unknown and slab", "bytes per unknown"]

@@ -93,7 +93,7 @@ def parse():
     parser.add_argument("--step", type=float, help="of PyFR, a part of 0.1")
     parser.add_argument("--slab", type=float, default=0.1, help="the slabs of ours")
     parser.add_argument("--pyfr", default=shutil.which("pyfr"), help="the command, where it is not on the path")
-    parser.add_argument("--directory", default="taylor_green")
+    parser.add_argument("--directory", default=ROOT / "runs/taylor_green")
     options = parser.parse_args()
     options.step = options.step or STEPS[options.order]
     options.cells = POINTS // options.order
