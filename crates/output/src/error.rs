@@ -49,8 +49,8 @@ pub enum OutputError {
     },
     /// A whole HDF5 file that no run has sealed.
     #[error(
-        "`{path}` is no result file of a run: it has no seal, as other files for ParaView, of averages, lines or walls; name the file \
-         `result.vtkhdf` of the run"
+        "`{path}` has no seal of a run: it is another file for ParaView, of averages, lines or walls, or another program has written to it; name \
+         the file `result.vtkhdf` of a run, as the run has left it"
     )]
     NotSealed {
         /// The file read.

@@ -242,7 +242,7 @@ fn nothing_to_resume_from_another_case_and_another_format_are_told_apart() {
     let file = hdf5::File::open_rw(directory.path().join(RESULT_FILE)).unwrap();
     file.group("stsolve").unwrap().attr("format_version").unwrap().write_scalar(&99_i64).unwrap();
     file.close().unwrap();
-    assert!(matches!(resume(CASE), Err(OutputError::Damaged { .. })), "a changed file has lost its seal");
+    assert!(matches!(resume(CASE), Err(OutputError::NotSealed { .. })), "a changed file has lost its seal");
     seal(&directory.path().join(RESULT_FILE));
     assert!(matches!(resume(CASE), Err(OutputError::Version { found: 99, .. })));
 }

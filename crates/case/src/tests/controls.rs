@@ -36,7 +36,7 @@ fn names_and_places_of_controls_are_checked() {
         (
             "[controls.force]\nmeasure = \"momentum_x\"\nrate = 0\n",
             &[],
-            &["case.toml:", "controls.force.measure", "`output.integrals = [\"momentum_x\"]`"],
+            &["base.toml:26", "controls.force.measure", "`output.integrals = [\"momentum_x\"]`"],
         ),
     ] {
         let message = with_controls(controls, options).unwrap_err().to_string();
