@@ -79,7 +79,7 @@ pub enum ReportError {
     /// A level of Q for a run without surfaces of Q.
     #[error(
         "`--q-level` is the level of surfaces in three dimensions, and the run in `{directory}` is plane: leave it out; `--picture q_criterion` \
-         shows Q if `output.fields` lists it"
+         shows Q"
     )]
     Plane {
         /// The directory.

@@ -196,6 +196,7 @@ pub use destination::{Destination, Existing};
 pub use drive::{motion, run, run_on};
 pub use error::Failure;
 pub use frame_checks::jump_of_centrifugal_force;
+pub use history::require_distinct_columns;
 pub use memory_estimate::{MemoryEstimate, PROGRAM_BYTES, require_memory, typical_iterations};
 pub use observer::{NextStep, Observer, Positions, RunState, SlabDone, SlabFlow};
 pub use openings::{Misuse, Record as OpeningRecord, Seen as OpeningSeen};

@@ -30,6 +30,7 @@ pub fn run_structure<const D: usize, const M: usize>(
     destination: &Destination,
     observer: &dyn Observer,
 ) -> Result<Summary, Failure> {
+    history::require_distinct_columns(case)?;
     let call = Call { destination, observer, begun: Instant::now(), origin: None };
     let march = build::structure_march(case, structure).map_err(Failure::bad_input)?;
     let mesh = Arc::new(MeshView::new(&case.mesh, march.structure().numbering()));

@@ -162,6 +162,7 @@ fn two_columns_of_the_same_name_are_refused() {
         forces.bottom = {}
     "#;
     std::fs::write(directory.path().join("case.toml"), text).unwrap();
-    stsolve(directory.path(), &["run", "case.toml", "--output", "run", "--quiet"])
-        .expect(2, &["two columns of history.csv would be named `bottom_force_x`"]);
+    for arguments in [&["run", "case.toml", "--output", "run", "--quiet"][..], &["check", "case.toml"]] {
+        stsolve(directory.path(), arguments).expect(2, &["two columns of history.csv would be named `bottom_force_x`"]);
+    }
 }

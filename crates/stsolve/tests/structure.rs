@@ -158,6 +158,15 @@ fn a_structure_without_supports_is_told_that_it_can_move() {
     }
 }
 
+/// A point had the name of a reaction, and readers of history.csv found the wrong one of two columns.
+#[test]
+fn a_point_with_the_name_of_a_reaction_is_refused() {
+    let directory = TempDir::new().unwrap();
+    let points = "structure.points={left_reaction=[0.5,0.01]}";
+    let outcome = on_case(directory.path(), "run", "cantilever", &[points], "twice", &[]);
+    outcome.expect(2, &["two columns of history.csv would be named `left_reaction_x`", "a point"]);
+}
+
 #[test]
 fn a_structure_resumes_with_the_same_bits() {
     let directory = TempDir::new().unwrap();

@@ -80,8 +80,9 @@ pub(super) fn check(checker: &Checker<'_>, raw: &raw::Time, begins_steady: bool)
         }
         (None, Some(slabs)) if duration > 0.0 => {
             checker.at_least_one(&key.child("slabs"), "the number of slabs", slabs)?;
-            check_resolved(checker, &key.child("slabs"), raw, duration / slabs as f64)?;
-            (duration / slabs as f64, slabs)
+            let step = length_of_slabs(duration, slabs);
+            check_resolved(checker, &key.child("slabs"), raw, step)?;
+            (step, slabs)
         }
         (None, None) => {
             return Err(checker.combination(&key, "the length of the slabs is missing", "`step` or `slabs`"));
@@ -94,6 +95,15 @@ pub(super) fn check(checker: &Checker<'_>, raw: &raw::Time, begins_steady: bool)
     };
     let control = raw.adaptive.as_ref().map(|adaptive| control(checker, raw, adaptive, step, duration)).transpose()?;
     Ok(Time { order: raw.order, start: raw.start, end: end(raw, step, slabs), step, slabs, control })
+}
+
+/// The length of so many equal slabs. Where a decimal number is as good as the quotient it is that one: then a later end with as many more slabs
+/// has the same length, to the bit.
+fn length_of_slabs(duration: f64, slabs: usize) -> f64 {
+    let quotient = duration / slabs as f64;
+    let decimal = rounded_time(quotient);
+    let is_as_good = (decimal * slabs as f64 - duration).abs() <= f64::EPSILON * duration;
+    if is_as_good { decimal } else { quotient }
 }
 
 /// The largest shift of the ends of a slab by round-off of the time, as a fraction of its length.

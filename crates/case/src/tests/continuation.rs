@@ -34,6 +34,8 @@ fn how_closely_and_how_far_may_change() {
         assert_eq!(changed(&[option]), (vec![key], vec![]), "{option}");
     }
     assert_eq!(changed(&["time={order=2,end=1.5,slabs=5}"]).1, [""; 0], "slabs of the same length");
+    // 2.7 / 9 is not 0.3 to the bit, and the run was refused.
+    assert_eq!(changed(&["time={order=2,end=2.7,slabs=9}"]).1, [""; 0], "slabs of the same length to round-off");
 }
 
 #[test]

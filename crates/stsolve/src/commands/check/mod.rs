@@ -119,6 +119,7 @@ where
         of_restart = case.require_restart(flow)?;
         check_controls(case)?;
     }
+    simulation::require_distinct_columns(case)?;
     let facts = Facts::new(case);
     let mut tables = tables::known(&facts);
     let mut warnings = warnings(&facts);
