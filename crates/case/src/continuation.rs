@@ -1,5 +1,6 @@
 //! Conditions for continuing the run of another case.
 
+use super::checked::length_of_slabs;
 use super::continued_tables::{self, LongerTable};
 use super::raw::{Adaptive, Case, Output, Solver, Steady, Time, from_toml, to_table, to_toml};
 use std::fmt;
@@ -8,7 +9,7 @@ use std::fmt;
 /// of the solver, the end of the run and the intervals of output are left out.
 pub(super) fn lasting(case: &Case) -> Case {
     let Time { start, end, .. } = case.time;
-    let step = case.time.step.or(case.time.slabs.map(|slabs| (end - start) / slabs as f64));
+    let step = case.time.step.or(case.time.slabs.map(|slabs| length_of_slabs(end - start, slabs)));
     let adaptive = case.time.adaptive.as_ref().map(|_| Adaptive { tolerance: 0.0, smallest: None, largest: None });
     Case {
         title: String::new(),

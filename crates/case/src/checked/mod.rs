@@ -63,6 +63,7 @@ pub use sliding_mesh::{Held, constrained};
 pub use source::Source;
 pub use structure::{Largest, Structure, Support};
 pub use surfaces::surface_name;
+pub(crate) use time::length_of_slabs;
 pub use time::{Output, Time};
 
 use super::checker::{Checked, Checker, Sound};

@@ -99,7 +99,7 @@ pub(super) fn check(checker: &Checker<'_>, raw: &raw::Time, begins_steady: bool)
 
 /// The length of so many equal slabs. Where a decimal number is as good as the quotient it is that one: then a later end with as many more slabs
 /// has the same length, to the bit.
-fn length_of_slabs(duration: f64, slabs: usize) -> f64 {
+pub(crate) fn length_of_slabs(duration: f64, slabs: usize) -> f64 {
     let quotient = duration / slabs as f64;
     let decimal = rounded_time(quotient);
     let is_as_good = (decimal * slabs as f64 - duration).abs() <= f64::EPSILON * duration;
