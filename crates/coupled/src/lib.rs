@@ -65,4 +65,4 @@ pub use steady::{
     Stage, SteadyError, SteadyFlow, find_equilibrium, solve_steady,
 };
 pub use structure_march::{Equations, Reactions, StructureAlone, StructureMarch, StructureReport, Supports};
-pub use system::{ResidualBreakdown, System};
+pub use system::{ResidualBreakdown, System, krylov_precision};

@@ -11,6 +11,7 @@ mod effect_of_bodies;
 mod residual_breakdown;
 mod rounding;
 
+pub use effect_of_bodies::krylov_precision;
 pub use residual_breakdown::ResidualBreakdown;
 
 use crate::block::{Block, Body, Exchange, Quantity};
@@ -108,11 +109,9 @@ impl<const D: usize, const M: usize> System<D, M> {
         self.mesh_range().len()
     }
 
-    /// How Krylov vectors are stored. In single precision, like the numbers inside the preconditioner of the flow, where the mesh is solved
-    /// ahead or follows bodies whose effect is kept. Then the mesh's part of the vectors is zero up to round-off, or absent. Otherwise the
-    /// effect of the mesh that the preconditioner has taken would not be that of the rounded vector.
+    /// How Krylov vectors are stored, see [`krylov_precision`].
     pub fn krylov_precision(&self) -> Precision {
-        if self.bodies.is_empty() || self.tangent.effect_is_kept { Precision::Single } else { Precision::Double }
+        krylov_precision(self.mesh.follows_everywhere(), self.mesh_range().start)
     }
 
     /// The part of z of body number `body`.

@@ -279,18 +279,10 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, S: Simd> Kernel<'
     fn data_at_top(self, times: &[DataTime], data: Option<DataAt>, scratch: &mut FacetScratch) {
         let Some(data) = data else { return };
         let len = D * self.tables.facet_points();
-        let velocity = &scratch.geometry[len..2 * len];
-        let (mut then, mut sum) = (scratch.x.clone(), vec![Pack::ZERO; scratch.data.len()]);
-        for &DataTime { time, before, share } in times {
-            for ((then, x), v) in then.iter_mut().zip(&scratch.x).zip(velocity) {
-                then.0 = std::array::from_fn(|lane| x.0[lane] - before * v.0[lane]);
-            }
-            data(time, &then, &mut scratch.data);
-            for (sum, data) in sum.iter_mut().zip(&scratch.data) {
-                sum.0 = std::array::from_fn(|lane| sum.0[lane] + share * data.0[lane]);
-            }
-        }
-        scratch.data.copy_from_slice(&sum);
+        let add = |a: Pack, f: f64, b: Pack| Pack(std::array::from_fn(|lane| a.0[lane] + f * b.0[lane]));
+        let FacetScratch { x, geometry, data: sum, .. } = scratch;
+        sum.fill(Pack::ZERO);
+        DataTime::add_data(times, [x, &geometry[len..2 * len]], sum, add, data);
     }
 
     /// The velocity at which forces do work, at the points.

@@ -103,6 +103,25 @@ impl DataTime {
     pub fn alone(time: f64) -> Self {
         DataTime { time, before: 0.0, share: 1.0 }
     }
+
+    /// Adds (data at top) to `sum`, for points at `x` that move with `v`. `data` writes the data of a time and of positions into numbers like
+    /// those of `sum`; `add(a, f, b)` is a + f b.
+    pub fn add_data<T: Copy>(
+        times: &[Self],
+        [x, v]: [&[T]; 2],
+        sum: &mut [T],
+        add: impl Fn(T, f64, T) -> T,
+        mut data: impl FnMut(f64, &[T], &mut [T]),
+    ) {
+        let (mut then, mut values) = (x.to_vec(), sum.to_vec());
+        for DataTime { time, before, share } in times {
+            for (then, (x, v)) in then.iter_mut().zip(x.iter().zip(v)) {
+                *then = add(*x, -before, *v);
+            }
+            data(*time, &then, &mut values);
+            sum.iter_mut().zip(&values).for_each(|(sum, value)| *sum = add(*sum, *share, *value));
+        }
+    }
 }
 
 /// Time `number` of `count`.

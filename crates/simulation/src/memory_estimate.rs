@@ -3,6 +3,7 @@
 mod mesh;
 
 use crate::averages::Moments;
+use crate::bodies;
 use crate::error::Failure;
 use ::mesh::{Mesh, NodeNumbering};
 use case::memory;
@@ -10,6 +11,7 @@ use case::{Case, Flow, Motion, Preconditioner, Steady, SteadyBodies};
 use coupled::preconditioner::{CoarseLevelUse, LOW_ORDER_VECTORS, coarse_functions_per_direction, padded};
 use fem::Orders;
 use navier_stokes::Viscosity;
+use newton_krylov::fgmres::Precision;
 
 /// Krylov iterations of a typical Newton step.
 pub fn typical_iterations<const D: usize>(case: &Case<D>) -> usize {
@@ -65,6 +67,15 @@ fn structure<const D: usize>(case: &Case<D>) -> usize {
     elasticity::factor_bytes(D, D * NodeNumbering::new(mesh, mesh.order()).count)
 }
 
+/// The bytes of a number of a Krylov vector.
+fn krylov_bytes<const D: usize>(case: &Case<D>) -> usize {
+    let unknowns = case.time.order * bodies::coordinates(case).iter().sum::<usize>();
+    match coupled::krylov_precision(matches!(case.motion, Some(Motion::Followed)), unknowns) {
+        Precision::Single => 4,
+        Precision::Double => 8,
+    }
+}
+
 impl MemoryEstimate {
     /// Of a run of `case`, whose elastic mesh has the solver of `plan`.
     pub fn new<const D: usize>(case: &Case<D>, plan: Option<&elasticity::Plan>) -> Self {
@@ -77,10 +88,7 @@ impl MemoryEstimate {
     fn of_flow<const D: usize>(case: &Case<D>) -> Self {
         let flow = case.flow_unknowns();
         let mesh = case.mesh_unknowns().unwrap_or(0);
-        // See coupled::System::krylov_precision.
-        let follows = matches!(case.motion, Some(Motion::Followed));
-        let of_bodies = !(case.bodies.is_empty() || follows) || case.structure.is_some();
-        let vector = if of_bodies { 8 } else { 4 } * (flow + mesh);
+        let vector = krylov_bytes(case) * (flow + mesh);
         let restart = case.solver.krylov_restart.min(case.solver.krylov_iterations);
         let newton = 8 * (flow * VECTORS + operator_vectors(case) + mesh * VECTORS_OF_MESH);
         let vectors = newton + vector * krylov_vectors(restart.min(typical_iterations(case)));

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{assert_same_bits, column, finished, number, on_case, stsolve};
+use common::{assert_same_bits, column, finished, number, on_case, on_text, stsolve};
 use output::ResultReader;
 use tempfile::TempDir;
 
@@ -181,8 +181,7 @@ fn a_bar_beside_inviscid_gas_finds_its_equilibrium() {
 #[test]
 fn the_clamp_of_a_bar_carries_the_pressure_of_the_gas() {
     let directory = TempDir::new().unwrap();
-    std::fs::write(directory.path().join("case.toml"), BAR.replace("end = 0,", "end = 1,")).unwrap();
-    stsolve(directory.path(), &["run", "case.toml", "--output", "run", "--quiet"]).expect(0, &[]);
+    on_text(directory.path(), &BAR.replace("end = 0,", "end = 1,"), &[], "run", &["--quiet"]).expect(0, &[]);
     let last = |name: &str| *column(&directory.path().join("run"), name).last().unwrap();
     // The stress -E d acts on the height 0.1.
     let (found, exact) = (last("left_reaction_x"), -10.0 * last("wall_x"));

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Surface, column, finished, number, on_case, stsolve};
+use common::{Surface, column, finished, number, on_case, on_text, stsolve};
 use output::read_viewer_file;
 use std::fs;
 use std::path::Path;
@@ -150,9 +150,8 @@ fn open_walls_in_space_have_means() {
         boundary.bottom.adiabatic_wall = {}
         boundary.others = "slip_wall"
     "#;
-    fs::write(directory.path().join("case.toml"), text).unwrap();
     let told = ["the wall `front` has no means", "not extruded along z"];
-    stsolve(directory.path(), &["run", "case.toml", "--output", "run"]).expect(0, &told);
+    on_text(directory.path(), text, &[], "run", &[]).expect(0, &told);
     let run = directory.path().join("run");
     assert!(run.join("surface_bottom_separation.csv").exists() && !run.join("surface_front_mean.csv").exists());
     let mean = fs::read_to_string(run.join("surface_bottom_mean.csv")).unwrap();

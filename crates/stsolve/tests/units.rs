@@ -4,15 +4,13 @@
 
 mod common;
 
-use common::{column, number, stsolve, summary};
+use common::{column, number, on_text, stsolve, summary};
 use std::path::Path;
 use tempfile::TempDir;
 
 /// Runs a case given as text; the result is in the folder `run`.
 fn run(directory: &Path, case: &str) {
-    let file = directory.join("case.toml");
-    std::fs::write(&file, case).unwrap();
-    stsolve(directory, &["run", file.to_str().unwrap(), "--output", "run", "--force", "--quiet"]).expect(0, &[]);
+    on_text(directory, case, &[], "run", &["--force", "--quiet"]).expect(0, &[]);
 }
 
 /// A cylinder of the diameter `unit` in a channel at a Reynolds number of 150.

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{SLOW, Surface, assert_same_bits, column, finished, number, on_case, power_of_rates, stsolve, summary};
+use common::{SLOW, Surface, assert_same_bits, column, finished, number, on_case, on_text, power_of_rates, summary};
 use tempfile::TempDir;
 
 fn at_end(run: &std::path::Path, name: &str) -> f64 {
@@ -140,13 +140,10 @@ step = 0.1
 #[test]
 fn friction_on_a_wall_that_slides_faster_and_faster_does_not_depend_on_the_cells() {
     let directory = TempDir::new().unwrap();
-    let case = directory.path().join("sliding.toml");
-    std::fs::write(&case, SLIDING).unwrap();
     let friction = |cells: &str| {
         let run = directory.path().join(cells);
         let set = format!("mesh.generate.box.cells=[1,{cells}]");
-        let arguments = ["run", case.to_str().unwrap(), "--set", &set, "--output", run.to_str().unwrap()];
-        stsolve(directory.path(), &arguments).expect(0, &[]);
+        on_text(directory.path(), SLIDING, &[&set], cells, &[]).expect(0, &[]);
         let friction = at_end(&run, "bottom_friction_force_x");
         let surface = Surface::read(&run, "bottom").at(at_end(&run, "t"));
         assert!((surface.integral("friction_x") - friction).abs() <= 1e-12, "{friction}");

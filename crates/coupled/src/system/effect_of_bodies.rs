@@ -3,6 +3,7 @@
 
 use super::System;
 use crate::block::Body;
+use newton_krylov::fgmres::Precision;
 use newton_krylov::inner_product::InnerProduct;
 
 /// Up to this many unknowns of bodies, products along the mesh that follows them are kept.
@@ -12,10 +13,22 @@ const MOST_DIRECTIONS: usize = 12;
 /// then far less.
 const SMALL_EFFECT: f64 = 0.03;
 
+/// Whether the flow keeps the effect of bodies with so many `unknowns` in a slab: the whole mesh follows them, and they are few.
+fn keeps_effect(mesh_follows: bool, unknowns: usize) -> bool {
+    mesh_follows && unknowns <= MOST_DIRECTIONS
+}
+
+/// How Krylov vectors are stored in a system of bodies with so many `unknowns` in a slab. In single precision, like the numbers inside the
+/// preconditioner of the flow, where there are none or their effect is kept. Then the mesh's part of the vectors is zero up to
+/// round-off, or absent. Otherwise the effect of the mesh that the preconditioner has taken would not be that of the rounded vector.
+pub fn krylov_precision(mesh_follows: bool, unknowns: usize) -> Precision {
+    if unknowns == 0 || keeps_effect(mesh_follows, unknowns) { Precision::Single } else { Precision::Double }
+}
+
 impl<const D: usize, const M: usize> System<D, M> {
-    /// Whether the flow keeps the effect of bodies: the whole mesh follows them, and they have few unknowns.
+    /// Whether the flow keeps the effect of bodies.
     pub(super) fn keeps_effect(&self) -> bool {
-        self.mesh.follows_everywhere() && self.mesh_range().start <= MOST_DIRECTIONS
+        keeps_effect(self.mesh.follows_everywhere(), self.mesh_range().start)
     }
 
     /// The way of its body per unit of each of their unknowns.

@@ -202,13 +202,11 @@ impl<const D: usize> SurfaceFlow<'_, D> {
         let BoundaryData { condition, data, .. } = &self.flow.boundary[here.wall.boundary];
         let (mut sum, exact) = ([0.0; M], [DataTime::alone(self.time)]);
         let Some(data) = data else { return sum };
-        for &DataTime { time, before, share } in
-            if self.flow.law.imposes_data(*condition) { self.data_times } else { &exact }
-        {
-            let then = std::array::from_fn(|i| here.position[i] - before * here.velocity[i]);
-            let values: [f64; M] = data.at(&then, time);
-            sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += share * value);
-        }
+        let times = if self.flow.law.imposes_data(*condition) { self.data_times } else { &exact };
+        let at = |time: f64, then: &[f64], values: &mut [f64]| {
+            values.copy_from_slice(&data.at::<M>(&std::array::from_fn(|i| then[i]), time));
+        };
+        DataTime::add_data(times, [&here.position, &here.velocity], &mut sum, |a, f, b| a + f * b, at);
         sum
     }
 

@@ -44,10 +44,19 @@ pub fn shipped(name: &str) -> String {
 /// A command on the case `name`, changed by `set`, that writes into `output` in `directory`.
 pub fn on_case(directory: &Path, command: &str, name: &str, set: &[&str], output: &str, extra: &[&str]) -> Outcome {
     let case = shipped(&format!("{name}.toml"));
-    let mut arguments = vec![command, &case, "--output", output, "--quiet"];
-    set.iter().for_each(|change| arguments.extend(["--set", change]));
-    arguments.extend(extra);
-    stsolve(directory, &arguments)
+    changed(directory, &[command, &case, "--output", output, "--quiet"], set, extra)
+}
+
+/// A run of the case `text`, changed by `set`, that writes into `output` in `directory`.
+pub fn on_text(directory: &Path, text: &str, set: &[&str], output: &str, extra: &[&str]) -> Outcome {
+    std::fs::write(directory.join("case.toml"), text).unwrap();
+    changed(directory, &["run", "case.toml", "--output", output], set, extra)
+}
+
+/// A command on a case that is changed by `set`.
+fn changed(directory: &Path, command: &[&str], set: &[&str], extra: &[&str]) -> Outcome {
+    let set: Vec<&str> = set.iter().flat_map(|change| ["--set", change]).collect();
+    stsolve(directory, &[command, &set, extra].concat())
 }
 
 /// Runs a case that must reach its end; returns its summary.

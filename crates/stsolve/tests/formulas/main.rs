@@ -10,15 +10,12 @@ mod controls;
 mod sound;
 mod sources;
 
-use common::{number, stsolve, summary};
+use common::{number, on_text, summary};
 use std::path::Path;
 
 /// A run of `case` that must reach its end.
 fn run(directory: &Path, case: &str, set: &[&str], output: &str) -> serde_json::Value {
-    std::fs::write(directory.join("case.toml"), case).unwrap();
-    let mut arguments = vec!["run", "case.toml", "--quiet", "--output", output];
-    set.iter().for_each(|change| arguments.extend(["--set", change]));
-    stsolve(directory, &arguments).expect(0, &[]);
+    on_text(directory, case, set, output, &["--quiet"]).expect(0, &[]);
     summary(&directory.join(output))
 }
 

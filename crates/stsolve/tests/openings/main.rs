@@ -13,23 +13,14 @@ mod reservoirs;
 mod supersonic;
 mod vortices;
 
-use common::{Outcome, checkpoint, stsolve, summary};
+use common::{checkpoint, on_text, summary};
 use std::path::Path;
 use tempfile::TempDir;
-
-/// Runs a `case` with changes.
-fn run(directory: &Path, case: &str, set: &[&str], output: &str, extra: &[&str]) -> Outcome {
-    std::fs::write(directory.join("case.toml"), case).unwrap();
-    let mut arguments = vec!["run", "case.toml", "--output", output];
-    set.iter().for_each(|change| arguments.extend(["--set", change]));
-    arguments.extend(extra);
-    stsolve(directory, &arguments)
-}
 
 /// The summary of a run that must reach its end.
 fn survives(case: &str, set: &[&str]) -> serde_json::Value {
     let directory = TempDir::new().unwrap();
-    run(directory.path(), case, set, "run", &["--quiet"]).expect(0, &[]);
+    on_text(directory.path(), case, set, "run", &["--quiet"]).expect(0, &[]);
     summary(&directory.path().join("run"))
 }
 

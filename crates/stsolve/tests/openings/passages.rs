@@ -1,7 +1,7 @@
 //! Viscous gas enters and leaves a passage of blades and a channel.
 
-use crate::common::{column, number, on_case, summary};
-use crate::{run, survives};
+use crate::common::{column, number, on_case, on_text, summary};
+use crate::survives;
 use tempfile::TempDir;
 
 /// A passage of a row of blades, coarse, started from a uniform stream: the waves of the start push gas back through the
@@ -73,7 +73,7 @@ fn viscous_gas_leaves_with_the_total_temperature_with_which_it_enters() {
     let outflow = "{ outflow = { pressure = 1 } }";
     let directory = TempDir::new().unwrap();
     let total_temperature = |left: &str, right: &str| {
-        run(directory.path(), &case(left, right), &[], "run", &["--quiet", "--force"]).expect(0, &[]);
+        on_text(directory.path(), &case(left, right), &[], "run", &["--quiet", "--force"]).expect(0, &[]);
         *column(&directory.path().join("run"), "right_total_temperature").last().unwrap()
     };
     // The mean over the mass flux of T + w^2 / 7 is 1.0022 where the profile enters.

@@ -1,7 +1,7 @@
 //! Gas between a reservoir and an outlet, at rest, in a steady stream, or with shear along the inflow.
 
-use crate::common::{number, summary};
-use crate::{gas_at_end, pressure_off, run, survives};
+use crate::common::{number, on_text, summary};
+use crate::{gas_at_end, pressure_off, survives};
 use tempfile::TempDir;
 
 /// A jet along an inflow, ten times faster than the Mach number 0.3 across it, or against it.
@@ -60,7 +60,7 @@ slabs = 1
 #[test]
 fn a_duct_has_the_total_state_of_its_inflow() {
     let directory = TempDir::new().unwrap();
-    run(directory.path(), DUCT, &[], "run", &["--quiet"]).expect(0, &[]);
+    on_text(directory.path(), DUCT, &[], "run", &["--quiet"]).expect(0, &[]);
     let run = directory.path().join("run");
     for [density, speed, pressure] in gas_at_end(&run) {
         let temperature = pressure / density;
@@ -90,7 +90,7 @@ fn a_column_of_gas_gathers_speed_between_a_reservoir_and_an_outlet() {
     let largest = (7.0 * 7.95 * (1.0 - (outlet / reservoir).powf(2.0 / 7.0))).sqrt();
     for (push, start) in [("0.1", 0.1), ("0", 0.0)] {
         let set = [&format!("constants.push={push}")[..], &jet("0"), "time.end=30", "time.step=0.1"];
-        run(directory.path(), SHEAR, &set, push, &["--quiet"]).expect(0, &[]);
+        on_text(directory.path(), SHEAR, &set, push, &["--quiet"]).expect(0, &[]);
         let run = directory.path().join(push);
         let speed = largest * (largest * 30.0 / 8.0 + (start / largest).atanh()).tanh();
         // Of unit density in a box of height 2.
@@ -110,7 +110,7 @@ fn long_the_pressure_is_that_of_the_outlet_after_shear() {
     let off = |speed: &str, push: &str, end: &str| {
         let set = [&format!("constants.push={push}")[..], &jet(speed), &format!("time.end={end}"), "time.step=0.1"];
         let output = format!("{speed}_{push}_{end}");
-        run(directory.path(), SHEAR, &set, &output, &["--quiet"]).expect(0, &[]);
+        on_text(directory.path(), SHEAR, &set, &output, &["--quiet"]).expect(0, &[]);
         let off = pressure_off(&directory.path().join(output));
         println!(
             "| shear through `inflow`, jet {speed}, push {push}, t = {end} | pressure off the outlet's | {off:.2e} | 0 | 1.0e-3 |"

@@ -1,7 +1,7 @@
 //! A supersonic stream, and the messages about openings that do not suit it or cannot be.
 
-use crate::common::{number, stsolve, summary};
-use crate::{run, survives};
+use crate::common::{number, on_text, stsolve, summary};
+use crate::survives;
 use tempfile::TempDir;
 
 /// A stream at M = 2 through a box.
@@ -40,7 +40,7 @@ fn a_supersonic_stream_through_a_subsonic_inflow_is_told() {
     let inflow =
         "flow.boundary.left={ inflow = { total_pressure = 1.3973, total_temperature = 0.32143, direction = [1, 0] } }";
     let directory = TempDir::new().unwrap();
-    let outcome = run(directory.path(), SUPERSONIC, &[inflow], "run", &[]);
+    let outcome = on_text(directory.path(), SUPERSONIC, &[inflow], "run", &[]);
     let told = "gas enters through the subsonic inflow `left` faster than sound (normal Mach number 2.000), on 100 % of it, since t = 0";
     assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
     let summary = summary(&directory.path().join("run"));
@@ -57,7 +57,7 @@ fn a_misused_opening_is_the_first_cause() {
         "flow.boundary.left={ inflow = { total_pressure = 1.3973, total_temperature = 0.32143, direction = [1, 0] } }";
     let directory = TempDir::new().unwrap();
     let set = [inflow, "solver.newton_steps=1", "solver.slab_halvings=0"];
-    let outcome = run(directory.path(), SUPERSONIC, &set, "run", &["--quiet"]);
+    let outcome = on_text(directory.path(), SUPERSONIC, &set, "run", &["--quiet"]);
     outcome.expect(
         1,
         &["likely cause: gas enters through the subsonic inflow `left` faster than sound", "supersonic_inflow"],
@@ -68,7 +68,7 @@ fn a_misused_opening_is_the_first_cause() {
 fn openings_that_cannot_be_are_refused() {
     let directory = TempDir::new().unwrap();
     let refused =
-        |change: &str, parts: &[&str]| run(directory.path(), SUPERSONIC, &[change], "run", &[]).expect(2, parts);
+        |change: &str, parts: &[&str]| on_text(directory.path(), SUPERSONIC, &[change], "run", &[]).expect(2, parts);
     let uniform = |mach: &str| {
         format!("flow.boundary.left={{ supersonic_inflow = {{ uniform = {{ velocity = [1, 0], mach = {mach} }} }} }}")
     };

@@ -1,7 +1,7 @@
 //! Vortices leave through an outflow.
 
-use crate::common::{assert_same_bits, number, summary};
-use crate::{pressure_off, run, survives};
+use crate::common::{assert_same_bits, number, on_text, summary};
+use crate::{pressure_off, survives};
 use tempfile::TempDir;
 
 /// A vortex that leaves a box at M = 0.3 through its right side, at t = 5. The strength is the largest velocity in units of the
@@ -60,7 +60,7 @@ fn the_pressure_is_that_of_the_outlet_30_after_a_vortex() {
     let directory = TempDir::new().unwrap();
     for strength in ["1", "2.5", "4"] {
         let set = [&format!("flow.initial.vortex.strength={strength}")[..], "time.end=30"];
-        run(directory.path(), VORTEX, &set, strength, &["--quiet"]).expect(0, &[]);
+        on_text(directory.path(), VORTEX, &set, strength, &["--quiet"]).expect(0, &[]);
         let off = pressure_off(&directory.path().join(strength));
         assert!(off < 1e-3, "{strength}: {off:e}");
     }
@@ -72,7 +72,7 @@ fn a_resumed_run_knows_what_came_back() {
     let directory = TempDir::new().unwrap();
     let coarse = ["mesh.generate.box.cells=[5,4]", "flow.order=3"];
     let to = |end: &str, output: &str, extra: &[&str]| {
-        run(directory.path(), VORTEX, &[&coarse[..], &[end]].concat(), output, extra).expect(0, &[]);
+        on_text(directory.path(), VORTEX, &[&coarse[..], &[end]].concat(), output, extra).expect(0, &[]);
     };
     to("time.end=5", "through", &[]);
     to("time.end=4.5", "resumed", &[]);

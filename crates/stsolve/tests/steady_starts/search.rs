@@ -1,4 +1,4 @@
-//! The search for a steady flow: its ways, its steps, and its message if there is none.
+//! The search for a steady flow takes other ways where the first fails, tells its steps, and says what is wrong if there is no flow.
 
 use crate::common::{number, on_case, summary};
 use crate::{COARSE, run};
