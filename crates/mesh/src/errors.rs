@@ -69,7 +69,7 @@ pub enum MeshError {
     /// The reference map of a cell is not orientation-preserving everywhere.
     #[error(
         "cell {cell} is inverted: det J = {determinant:e} at reference point {reference:?}, position {position:?} \
-         (it is too strongly curved; or its corners are ordered left-handed, but no generator here does that)"
+         (its sides cross, it is flat, or it is too strongly curved)"
     )]
     Inverted {
         /// The cell.

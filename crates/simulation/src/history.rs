@@ -76,7 +76,7 @@ pub fn require_distinct_columns<const D: usize>(case: &Case<D>) -> Result<(), Fa
     columns.sort_unstable();
     let Some(pair) = columns.windows(2).find(|pair| pair[0] == pair[1]) else { return Ok(()) };
     Err(Failure::bad_input(anyhow::anyhow!(
-        "two columns of history.csv would be named `{}`: rename a probe, a point, a formula or a body of the case",
+        "two columns of history.csv would be named `{}`: rename a probe, a point, a formula or a body of the case, or a boundary of the mesh",
         pair[0]
     )))
 }

@@ -181,6 +181,7 @@ fn bodies_that_cannot_be_are_refused() {
         ("bodies.cylinder.y.release=1", "a coordinate that nothing drives is free already"),
         ("bodies.cylinder.y.motion=\"1+t\"", "zero at the start"),
         ("bodies.cylinder.mesh.between.inner=0.2", "a weight of one on the walls of the body"),
+        ("bodies.cylinder.pivot=[100,0]", "`bodies.cylinder.pivot` where the body is"),
         ("bodies.cylinder.mesh.between.outer=0.5", "above `inner`"),
         ("motion.boundary.others=\"fixed\"", "move the whole mesh by weights"),
         ("bodies.cylinder.y.stops={lower=1,upper=0,stiffness=1}", "above `lower`"),

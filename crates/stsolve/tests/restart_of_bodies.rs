@@ -98,6 +98,19 @@ fn rates_that_jump_are_warned_of() {
     }
 }
 
+/// A new `rate` was passed over without a word.
+#[test]
+fn a_rate_that_a_restart_does_not_take_is_warned_of() {
+    let directory = TempDir::new().unwrap();
+    let free = ["flow.order=3", "mesh.generate.box.cells=[4,1]", "time={order=2,end=0.4,step=0.1}"];
+    run(directory.path(), "piston_free", &free, None, "first").expect(0, &[]);
+    for (rate, expected) in [("bodies.piston.x.rate=-3", true), ("bodies.piston.x.spring=2", false)] {
+        let changes = [&free[..], &[rate, "time.end=0.5"]].concat();
+        let found = warns(directory.path(), "piston_free", &changes, "`bodies.piston.x.rate` has no effect");
+        assert_eq!(found, expected, "{rate}");
+    }
+}
+
 /// The piston made its way in the shortest slab, a thousandth of the step: the work of its drive was a million times larger.
 #[test]
 fn a_jump_that_is_allowed_is_made_in_a_whole_slab() {

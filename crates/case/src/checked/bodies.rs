@@ -96,12 +96,26 @@ impl<const D: usize> RigidBody<D> {
     pub fn weight(&self, x: &[f64; D]) -> Option<f64> {
         Some(match self.mesh.as_ref()? {
             FollowingMesh::Weight(formula) => formula.evaluate(x, 0.0),
-            FollowingMesh::Between { inner, outer } => {
-                let distance = (0..D).map(|d| (x[d] - self.pivot[d]).powi(2)).sum::<f64>().sqrt();
-                1.0 - smooth_step((distance - inner) / (outer - inner))
-            }
+            FollowingMesh::Between { inner, outer } => 1.0 - smooth_step((self.distance(x) - inner) / (outer - inner)),
         })
     }
+
+    /// The distance of `x` from the pivot.
+    fn distance(&self, x: &[f64; D]) -> f64 {
+        (0..D).map(|d| (x[d] - self.pivot[d]).powi(2)).sum::<f64>().sqrt()
+    }
+}
+
+/// The problem of a `weight` that is not one at `x` on a wall of `body`, and what is accepted.
+fn not_one_on_a_wall<const D: usize>(body: &RigidBody<D>, x: &[f64; D], weight: f64) -> (String, String) {
+    let (problem, accepted) =
+        (format!("the weight at {x:?} on a wall of the body is {weight}"), "a weight of one on the walls of the body");
+    let Some(FollowingMesh::Between { inner, .. }) = body.mesh else { return (problem, accepted.to_owned()) };
+    let (distance, pivot) = (body.distance(x), body.pivot);
+    (
+        format!("{problem}: it is {distance:.6} away from the pivot {pivot:?}, and `inner` is {inner}"),
+        format!("{accepted}: a larger `inner`, or `bodies.{}.pivot` where the body is", body.name),
+    )
 }
 
 /// 6 s^5 - 15 s^4 + 10 s^3 between 0 and 1: two derivatives vanish at both ends.
@@ -301,8 +315,8 @@ impl<const D: usize> Given<'_, D> {
             return Err(self.checker.combination(&key, &problem, "a weight that is finite in the whole mesh"));
         }
         if let Some((x, weight)) = self.other_weight(&numbering, body, &body.walls, 1.0) {
-            let problem = format!("the weight at {x:?} on a wall of the body is {weight}");
-            return Err(self.checker.combination(&key, &problem, "a weight of one on the walls of the body"));
+            let (problem, accepted) = not_one_on_a_wall(body, &x, weight);
+            return Err(self.checker.combination(&key, &problem, &accepted));
         }
         if let Some([x, other]) = periodic_copies_apart(self.mesh, &numbering, 1e-9, |_, x| [weight(x)]) {
             let problem = format!(

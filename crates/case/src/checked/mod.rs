@@ -97,8 +97,8 @@ pub struct Case<const D: usize> {
     pub mesh: mesh_crate::Mesh<D>,
     /// Whether triangles, tetrahedra and prisms of the file of the mesh were split.
     pub splits_simplices: bool,
-    /// Whether the mesh comes from a file.
-    pub is_mesh_from_file: bool,
+    /// Whether the shape of the cells is given: by a file, or by a formula for a box.
+    pub are_cells_given: bool,
     /// The motion of the mesh; None: it rests.
     pub motion: Option<Motion<D>>,
     /// The flow; None: only the mesh moves.
@@ -250,7 +250,7 @@ impl<const D: usize> Case<D> {
             about: About::new(checker, document, raw),
             mesh,
             splits_simplices: raw.mesh.split_simplices == Some(true),
-            is_mesh_from_file: raw.mesh.file.is_some(),
+            are_cells_given: mesh::are_cells_given(&raw.mesh),
             motion,
             flow,
             bodies,

@@ -15,7 +15,7 @@ pub struct ChannelGenerator {
     /// The number of cells along each axis.
     pub cells: Vec<usize>,
     /// Height of the cells in the middle over the height of the cells at either wall; cells grow by a constant factor in
-    /// between.
+    /// between. Two cells or fewer have one height.
     #[serde(default = "one")]
     pub wall_ratio: f64,
     /// Whether the channel is periodic along x.

@@ -9,8 +9,9 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct AirfoilGenerator {
-    /// The largest thickness: 0.12 for the NACA 0012.
-    pub thickness: f64,
+    /// The largest thickness of a NACA 00xx. Default: 0.12, that of the NACA 0012.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thickness: Option<f64>,
     /// Instead of the thickness: four digits of NACA, such as `"2412"`. The nose of the camber line is at the origin.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub naca: Option<String>,
@@ -53,10 +54,10 @@ pub struct NearPart {
 
 impl Default for AirfoilGenerator {
     fn default() -> Self {
-        let AirfoilMesh { thickness, far_field, first_cell, trailing_edge_cell, .. } = AirfoilMesh::naca0012(2);
+        let AirfoilMesh { far_field, first_cell, trailing_edge_cell, .. } = AirfoilMesh::naca0012(2);
         let AirfoilMesh { surface_cells, wake_cells, normal_cells, .. } = AirfoilMesh::naca0012(2);
         AirfoilGenerator {
-            thickness,
+            thickness: None,
             naca: None,
             profile: None,
             far_field,

@@ -13,7 +13,7 @@ pub struct AnnulusGenerator {
     pub inner_radius: f64,
     /// The radius of the far field.
     pub outer_radius: f64,
-    /// The height of the cells at the wall.
+    /// The height of the cells at the wall. A single cell outwards fills the shell.
     pub first_cell: f64,
     /// Cells around, at least 3, and from the wall to the far field.
     pub cells: [usize; 2],
@@ -30,7 +30,7 @@ pub struct ClosedBodyGenerator {
     pub points: BodyPoints,
     /// The radius of the far field, more than the largest distance of the wall from its centroid.
     pub outer_radius: f64,
-    /// The height of the cells at the wall.
+    /// The height of the cells at the wall. A single cell outwards fills the shell.
     pub first_cell: f64,
     /// Cells around, at least 3, and from the wall to the far field.
     pub cells: [usize; 2],

@@ -22,6 +22,15 @@ pub(super) struct Cells<const D: usize> {
     vertices: BTreeMap<Vec<u64>, usize>,
 }
 
+fn refuse_repeated_node(element: &Element) -> Result<(), GmshError> {
+    let mut nodes = element.nodes.clone();
+    nodes.sort_unstable();
+    match nodes.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => Err(GmshError::RepeatedNode { element: element.number, node: pair[0] }),
+        None => Ok(()),
+    }
+}
+
 impl<const D: usize> Cells<D> {
     /// The cells of `elements`, all of degree `degree`.
     pub(super) fn read(
@@ -34,6 +43,7 @@ impl<const D: usize> Cells<D> {
         let mut cells = Cells { order: degree + 1, corners: Vec::new(), coordinates: Vec::new(), first, vertices };
         let reader = CellReader::<D>::new(degree);
         for element in elements {
+            refuse_repeated_node(element)?;
             let whole = !splitter.cuts(element);
             let pieces = if whole { vec![reader.read(file, element)?] } else { splitter.pieces::<D>(element)? };
             for (corners, positions) in pieces {

@@ -147,9 +147,18 @@ pub enum GmshError {
         /// Whether all nodes lie in one plane.
         tilted: bool,
     },
+    /// An element names a node more than once.
+    #[error("element {element} names node {node} twice: all nodes of a cell must differ")]
+    RepeatedNode {
+        /// The element.
+        element: u64,
+        /// The node.
+        node: u64,
+    },
     /// A named element of dimension D - 1 is not a face of a cell.
     #[error(
-        "element {element} of boundary \"{name}\" is not a face of any cell: a physical group for the cells beside it too, or none for it"
+        "element {element} of boundary \"{name}\" is not a face of any cell: a physical group for the cells beside it too, or none for it; if \
+         they have one, the corners of a cell there are not in order"
     )]
     Stray {
         /// The element.

@@ -1,5 +1,7 @@
 //! Files of other programs, recognised by their beginning.
 
+use super::source::without_mark;
+
 /// A file is searched for the keys of SU2 up to this length, in bytes.
 const HEADER: usize = 1 << 16;
 
@@ -25,6 +27,7 @@ pub(super) fn format(bytes: &[u8]) -> Option<&'static str> {
 
 /// Whether a file is an SU2 mesh: a text with a line `NDIME= 2`, after comments and perhaps other keys, in capitals or not.
 pub fn is_su2(bytes: &[u8]) -> bool {
+    let bytes = without_mark(bytes);
     if bytes.trim_ascii_start().starts_with(b"$") {
         return false;
     }

@@ -100,6 +100,10 @@ impl Words<'_> {
                 let problem = format!("z = {z}, other nodes have {first}: {}", not_plane(tilted));
                 ((self.node)(node), problem)
             }
+            GmshError::RepeatedNode { element, node } => (
+                (self.element)(element),
+                format!("{} stands here twice: all nodes of a cell must differ", (self.node)(node)),
+            ),
             GmshError::Stray { element, name } => {
                 let problem = format!("the element of {} \"{name}\" is not a face of any cell", self.boundary);
                 ((self.element)(element), problem)

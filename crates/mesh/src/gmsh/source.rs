@@ -10,6 +10,11 @@ pub(super) enum Encoding {
     BigEndian,
 }
 
+/// A text without the byte order mark that some editors write at its beginning.
+pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes)
+}
+
 /// A file and the reading position.
 pub(super) struct Source<'a> {
     bytes: &'a [u8],
@@ -19,7 +24,7 @@ pub(super) struct Source<'a> {
 
 impl<'a> Source<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
-        Source { bytes, position: 0, encoding: Encoding::Text }
+        Source { bytes: without_mark(bytes), position: 0, encoding: Encoding::Text }
     }
 
     /// The place of the reading position. It counts lines anew, so it is used for errors only.

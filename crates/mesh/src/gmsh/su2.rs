@@ -6,6 +6,7 @@ use super::element::Kind;
 use super::file::{Element, File};
 use super::places::Words;
 use super::shape::Shape;
+use super::source::without_mark;
 use super::{FilePosition, GmshError};
 use std::str::{FromStr, SplitWhitespace};
 
@@ -47,6 +48,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<File, GmshError> {
 }
 
 fn text(bytes: &[u8]) -> Result<&str, GmshError> {
+    let bytes = without_mark(bytes);
     std::str::from_utf8(bytes).map_err(|error| {
         let line = 1 + bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
         unexpected(line, "a line of text", "bytes that are not UTF-8")

@@ -129,6 +129,8 @@ fn meshes_that_are_none_are_refused() {
     assert!(matches!(error, GmshError::Element { place: FilePosition::Line(24), code: 7, .. }), "{error}");
     let error = spoiled(SQUARE_2, "6 3 2 1 1 1 2 3 4", "6 3 2 1 1 1 2 3 17");
     assert_eq!(error, GmshError::NoNode { element: 6, node: 17 });
+    let error = spoiled(SQUARE_2, "6 3 2 1 1 1 2 3 4", "6 3 2 1 1 1 2 3 3");
+    assert_eq!(error, GmshError::RepeatedNode { element: 6, node: 3 });
     let error = spoiled(SQUARE_2, "4 1 2 7 3 3 4", "4 1 2 7 3 2 4");
     assert_eq!(error, GmshError::Stray { element: 4, name: "wall of glass".to_owned() });
     let error = spoiled(SQUARE_2, "4 0 1 1\n9", "4 0 1 2\n9");
@@ -143,6 +145,12 @@ fn meshes_that_are_none_are_refused() {
     );
     let error = Mesh::<3>::from_gmsh(SQUARE_2.as_bytes(), &[]).unwrap_err();
     assert_eq!(error, GmshError::Dimension { dimension: 3, surface: 1, volume: 0 });
+}
+
+/// The message was: expected "$MeshFormat", found "$MeshFormat".
+#[test]
+fn a_byte_order_mark_is_passed_over() {
+    assert!(read(SQUARE_2).is_ok() && read(&format!("\u{feff}{SQUARE_2}")).is_ok());
 }
 
 /// The second definition used to replace the first one silently.

@@ -22,7 +22,8 @@ impl Origin {
         Ok(())
     }
 
-    /// A warning if a driven coordinate changes its rate at once, because its motion is not that of the run.
+    /// A warning if a driven coordinate changes its rate at once, because its motion is not that of the run, or if the case gives a free one
+    /// another `rate`.
     pub(super) fn jump_of_drives<const D: usize>(
         &self,
         case: &Case<D>,
@@ -44,6 +45,7 @@ impl Origin {
             let mut freedoms = body.freedoms.iter().zip(before).zip(rates);
             freedoms.find_map(|((now, before), rate)| {
                 self.jump_of_rate(case, (&body.name, now), (before, *rate), state.time)
+                    .or_else(|| self.rate_without_effect((&body.name, now), (before, *rate)))
             })
         };
         Ok(bodies.into_iter().find_map(of_body))
@@ -67,6 +69,20 @@ impl Origin {
                 "the body `{body}` changes its rate at once at t = {}, which sends a pressure wave into the flow: the rate of `{}` is {there:.6} in \
                  `{}`, and {here:.6} from here on",
                 rounded_time(t),
+                now.name,
+                self.path.display()
+            )
+        })
+    }
+}
+
+impl Origin {
+    /// The warning about a coordinate whose `rate` was changed, while it goes on with the rate of the run.
+    fn rate_without_effect(&self, (body, now): (&str, &Freedom), (before, rate): (&Freedom, f64)) -> Option<String> {
+        (now.rate != before.rate).then(|| {
+            format!(
+                "`bodies.{body}.{}.rate` has no effect: the coordinate goes on with the rate {rate:.6} of `{}`; a `force` or a `motion` with \
+                 `release` can change it",
                 now.name,
                 self.path.display()
             )

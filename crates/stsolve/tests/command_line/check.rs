@@ -97,6 +97,23 @@ fn triangles_are_described_and_judged() {
     }
 }
 
+/// Only cells of files were judged.
+#[test]
+fn poor_cells_of_a_map_are_warned_of() {
+    let directory = TempDir::new().unwrap();
+    for (shear, is_poor) in [(1, false), (100, true)] {
+        let mesh = format!("lower = [0, 0], upper = [1, 1], cells = [2, 2], map = [\"x + {shear}*y\", \"y\"]");
+        let case = format!(
+            "mesh.generate.box = {{ {mesh} }}\nmotion.displacement = [0, 0]\ntime = {{ order = 1, end = 1, slabs = 1 }}\n"
+        );
+        std::fs::write(directory.path().join("case.toml"), case).unwrap();
+        let (_, stdout, stderr) = outcome(directory.path(), &["check", "case.toml", "--json", "--probe", "never"]);
+        let json: serde_json::Value = serde_json::from_str(&stdout).unwrap_or_else(|_| panic!("{stderr}"));
+        let warning = json["warnings"]["cells"].as_str().unwrap_or_default();
+        assert_eq!(warning.contains("the orthogonality of cell"), is_poor, "{json}");
+    }
+}
+
 /// A defect that was: a check of the pieces of well-shaped tetrahedra had no warning, and did not tell the scaled Jacobian.
 #[test]
 fn pieces_of_tetrahedra_are_warned_of() {

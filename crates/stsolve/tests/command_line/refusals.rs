@@ -46,7 +46,9 @@ fn files_that_are_not_there_or_not_ours_are_refused() {
     assert_eq!(code, 2);
     assert!(stderr.contains("text.vtkhdf"), "{stderr}");
     std::fs::write(directory.path().join("case.toml"), "[mesh]").unwrap();
+    std::fs::write(directory.path().join("my case.toml"), "[mesh]").unwrap();
     for (file, expected) in [
+        ("my case.toml", "`stsolve check 'my case.toml'` explains it"),
         ("nowhere", "`nowhere` cannot be read: No such file"),
         (".", "`./result.vtkhdf` cannot be read: No such file"),
         ("case.toml", "`case.toml` is a case; `stsolve check case.toml` explains it"),

@@ -24,8 +24,12 @@ const PARAMETERS: &[(&str, &str)] = &[
 ];
 
 pub(super) fn build(checker: &Checker<'_>, given: &AirfoilGenerator, order: usize) -> Checked<Mesh<2>> {
-    let family = Family { checker, key: Key::new("mesh.generate.airfoil"), parameters: PARAMETERS };
-    let AirfoilGenerator { thickness, far_field, first_cell, trailing_edge_cell, .. } = *given;
+    let is_by_thickness = given.naca.is_none() && given.profile.is_none();
+    // The first one is the thickness.
+    let parameters = if is_by_thickness { PARAMETERS } else { &PARAMETERS[1..] };
+    let family = Family { checker, key: Key::new("mesh.generate.airfoil"), parameters };
+    let thickness = given.thickness.unwrap_or(AirfoilMesh::naca0012(order).thickness);
+    let AirfoilGenerator { far_field, first_cell, trailing_edge_cell, .. } = *given;
     let AirfoilGenerator { surface_cells, wake_cells, normal_cells, .. } = *given;
     let half = surface_cells.saturating_add(wake_cells);
     family.check_size::<2>("normal_cells", &[2, half, normal_cells], order)?;
@@ -74,11 +78,14 @@ impl Shape {
 
 fn contour(family: &Family<'_>, given: &AirfoilGenerator) -> Checked<Option<Shape>> {
     let (checker, key) = (family.checker, |name: &str| family.key.child(name));
+    if [given.thickness.is_some(), given.naca.is_some(), given.profile.is_some()].iter().filter(|given| **given).count()
+        > 1
+    {
+        let accepted = "one of `thickness`, `naca` and `profile`";
+        return Err(checker.combination(&family.key, "the airfoil is given twice", accepted));
+    }
     match (&given.naca, &given.profile) {
-        (Some(_), Some(_)) => {
-            Err(checker.combination(&family.key, "the airfoil is given twice", "one of `naca` and `profile`"))
-        }
-        (Some(digits), None) => {
+        (Some(digits), _) => {
             let accepted =
                 "four digits such as \"2412\": camber, its place, and a thickness from 01 to 50; \"0012\" is symmetric";
             let airfoil = FourDigits::of(digits);

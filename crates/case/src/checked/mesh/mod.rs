@@ -49,6 +49,11 @@ pub(super) fn build(checker: &Checker<'_>, raw: &Raw) -> Checked<AnyMesh> {
     })
 }
 
+/// Whether the shape of the cells is given: by a file, or by a formula for a box.
+pub(super) fn are_cells_given(raw: &Raw) -> bool {
+    raw.file.is_some() || matches!(&raw.generate, Some(Generate::Box(given)) if given.map.is_some())
+}
+
 /// A mesh with the same boundaries as the one of `raw`, which has an error: of order 2, and of other sizes if need be.
 pub(super) fn stand_in(checker: &Checker<'_>, raw: &Raw) -> Option<AnyMesh> {
     let of_order = |order: Option<usize>, generate: &Option<Generate>| {

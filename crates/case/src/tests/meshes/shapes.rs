@@ -147,6 +147,8 @@ fn airfoils_with_camber_are_meshes() {
     for (key, part) in [
         ("naca = \"2012\"", "four digits such as \"2412\""),
         ("naca = \"2412\", profile = \"airfoil.dat\"", "given twice"),
+        // The thickness was ignored.
+        ("naca = \"2412\", thickness = 0.15", "given twice"),
         ("profile = \"none.dat\"", "cannot read"),
     ] {
         let message = case(key).unwrap_err().to_string();

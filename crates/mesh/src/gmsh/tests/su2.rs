@@ -111,6 +111,12 @@ fn triangles_are_refused_or_split() {
 }
 
 #[test]
+fn a_byte_order_mark_is_passed_over() {
+    let text = format!("\u{feff}{}", SQUARES.replace("% two squares\n", ""));
+    assert!(is_su2(text.as_bytes()) && read::<2>(&text).is_ok());
+}
+
+#[test]
 fn messages_name_line_and_remedy() {
     let without_marker = spoiled("MARKER_ELEMS= 2\n3 3 0\n3 2 5 1", "MARKER_ELEMS= 1\n3 3 0");
     assert!(without_marker.starts_with("line 5: ") && without_marker.contains("MARKER_TAG"), "{without_marker}");
@@ -126,6 +132,7 @@ fn messages_name_line_and_remedy() {
         ("NDIME= 2\n", "", "line 2: expected NDIME="),
         ("NDIME= 2\n", "NDIME= 2\nNDIME= 2\n", "line 3: expected one line NDIME="),
         ("9 0 1 4 3 0", "9 0 1 4 17", "line 4: point 17 is not among"),
+        ("9 0 1 4 3 0", "9 0 1 4 4 0", "line 4: point 4 stands here twice"),
         ("9 0 1 4 3 0", "9 0 1 4", "line 4: expected a node of element 1 of 2, found `the end of the line`"),
         ("9 0 1 4 3 0", "9 0 1 4 3 0 7", "line 4: expected the end of the line, found `7`"),
         ("9 0 1 4 3 0", "14 0 1 4 3 0", "line 4: expected the VTK type 9"),

@@ -20,10 +20,11 @@ pub fn folding_weights(data: &FailureData) -> Option<Cause> {
         name: "folding_weights",
         likelihood: 0.9,
         what: format!(
-            "the mesh between the body and the boundaries at rest folds: det J / det J_0 is {} in the worst cell",
+            "the mesh that follows a body by weights folds: det J / det J_0 is {} in the worst cell",
             number(data.mesh.smallest_det_j)
         ),
-        remedy: "in `bodies.NAME.mesh` take a smaller `inner` and a larger `outer`, or leave `mesh` out: then the mesh is an elastic body"
+        remedy: "in `bodies.NAME.mesh` let the weight fall less steeply: a smaller `inner` and a larger `outer`, or another formula; or leave \
+                 `mesh` out: then the mesh is an elastic body"
             .into(),
     })
 }

@@ -20,9 +20,9 @@ const POOR_CELL: f64 = 0.1;
 /// Without walls a flow with a larger Reynolds number of a distance of nodes is not resolved.
 const CELL_REYNOLDS: f64 = 100.0;
 
-/// Poor cells of a file, which may be pieces of triangles, tetrahedra or prisms.
+/// Poor cells of a file, which may be pieces of triangles, tetrahedra or prisms, or of a box that a formula maps.
 pub(super) fn cells_of_file<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
-    if !facts.case.is_mesh_from_file {
+    if !facts.case.are_cells_given {
         return None;
     }
     let (mesh, may_be_split) = (&facts.case.mesh, facts.case.splits_simplices);

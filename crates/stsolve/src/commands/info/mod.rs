@@ -5,6 +5,7 @@ mod mesh_file;
 
 use super::print;
 use super::table::Table;
+use crate::cli::quoted;
 use case::input_file;
 use output::{RESULT_FILE, ResultInfo};
 use simulation::Failure;
@@ -45,7 +46,9 @@ fn other_kind(path: &Path) -> Option<String> {
     match File::open(path).and_then(|file| file.take(SIGNATURE.len() as u64).read_to_end(&mut beginning)) {
         Err(error) => Some(format!("cannot be read: {error}")),
         Ok(_) if beginning == SIGNATURE || named("vtkhdf") => None,
-        Ok(_) if named("toml") => Some(format!("is a case; `stsolve check {}` explains it", path.display())),
+        Ok(_) if named("toml") => {
+            Some(format!("is a case; `stsolve check {}` explains it", quoted(&path.to_string_lossy())))
+        }
         Ok(_) => Some(format!("is neither the result of a run, `{RESULT_FILE}`, nor a mesh file of Gmsh, SU2 or CGNS")),
     }
 }
