@@ -6,7 +6,7 @@
 use super::history;
 use super::statistics::RunStatistics;
 use crate::error::Failure;
-use case::{Case, Control};
+use case::{Case, Control, NotPositive};
 use output::{Arrays, SolverState};
 
 /// The names of the arrays of a checkpoint.
@@ -88,7 +88,7 @@ impl Columns {
 /// The values after the slab that has entered `row` into history.csv: (control).
 ///
 /// # Errors
-/// A value that is no number. The controls then keep theirs.
+/// A value that is no number, or one that makes a pressure or a temperature of a boundary negative or zero. The controls then keep theirs.
 pub fn update<const D: usize>(
     case: &Case<D>,
     columns: &Columns,
@@ -113,9 +113,27 @@ pub fn update<const D: usize>(
             "the control `{name}` is {value} after {measure} = {measured} at t = {t}: what it measures must be finite, and its rate"
         )
     }
+    let before = self::values(case);
     set(case, Some(&values));
+    if let Some(problem) = not_positive(case, t) {
+        set(case, Some(&before));
+        anyhow::bail!("{problem}");
+    }
     statistics.controls = values;
     Ok(())
+}
+
+/// What the controls make of a value of a boundary that must be positive, if they spoil one at `t`.
+fn not_positive<const D: usize>(case: &Case<D>, t: f64) -> Option<String> {
+    let flow = case.flow.as_ref()?;
+    case.controls.iter().find_map(|control| {
+        let NotPositive { boundary, key, x, value } = flow.not_positive_by(control, &case.mesh, t)?;
+        let (name, number) = (&control.name, control.value.get());
+        Some(format!(
+            "the control `{name}` has become {number} at t = {t}: with it `{key}` of the boundary `{boundary}` is {value} at {x:?}, and must be \
+             positive: a smaller `controls.{name}.rate`, or bounds in it or in the formula by `min` and `max`"
+        ))
+    })
 }
 
 /// Sets the controls for which the preconditioner of the state `stored` was made, or the initial ones.

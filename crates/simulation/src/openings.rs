@@ -264,7 +264,7 @@ impl Misuse {
             }
             Misuse::Leaving => format!(
                 "raise `total_pressure` of `{boundary}` above the pressure inside, or let the flow start from a state that fits it; \
-                 `far_field` lets gas pass both ways"
+                 where it shall go on both ways, take `far_field`"
             ),
             Misuse::Backflow => format!(
                 "move `{boundary}` downstream, out of vortices and wakes, or take `far_field` where the flow outside is known"

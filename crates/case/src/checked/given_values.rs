@@ -1,7 +1,10 @@
 //! The values of boundary conditions by formulas.
 
 use super::boundary_data::{BoundaryData, Data};
-use super::openings::NodeAndNormal;
+use super::controls::Control;
+use super::flow::Flow;
+use super::mesh_crate::Mesh;
+use super::openings::{NodeAndNormal, nodes_with_normals};
 use super::time::Time;
 use crate::checker::{Checked, Checker};
 use crate::expression::Program;
@@ -99,9 +102,47 @@ fn check_positive<const D: usize>(
     (x, t): (&[f64; D], f64),
 ) -> Checked<()> {
     let value = formula.evaluate(x, t);
-    let quantity = || format!("{quantity} at {x:?} and t = {t}, {value},");
-    let holds = value > 0.0 && is_computable(value);
-    require_of_formula(checker, key, holds, quantity, "a formula that is positive everywhere")
+    let quantity = || format!("{quantity} of {value} at {x:?} and t = {t}");
+    let accepted = match formula.is_controlled() {
+        false => "a formula that is positive everywhere",
+        true => "a formula that is positive everywhere; a control begins with its `initial`, by default 0",
+    };
+    require_of_formula(checker, key, is_positive(value), quantity, accepted)
+}
+
+fn is_positive(value: f64) -> bool {
+    value > 0.0 && is_computable(value)
+}
+
+/// A value of a boundary condition that must be positive and is not.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotPositive {
+    /// The name of the boundary.
+    pub boundary: String,
+    /// The name of the value in the case file.
+    pub key: &'static str,
+    /// The place.
+    pub x: Vec<f64>,
+    /// The value there.
+    pub value: f64,
+}
+
+impl<const D: usize> Flow<D> {
+    /// The first value at `t` on a boundary of `mesh` that contains `control`, must be positive and is not.
+    pub fn not_positive_by(&self, control: &Control, mesh: &Mesh<D>, t: f64) -> Option<NotPositive> {
+        let names = mesh.boundary_names().iter().enumerate();
+        names.zip(&self.boundary).find_map(|((boundary, name), data)| {
+            let named = Named::of(data)?.positive.into_iter();
+            let controlled: Vec<_> = named.filter(|(.., formula)| formula.is_controlled_by(&control.value)).collect();
+            // Nearly all boundaries end here, without a list of their nodes.
+            let nodes = if controlled.is_empty() { Vec::new() } else { nodes_with_normals(mesh, boundary) };
+            let mut values = controlled
+                .iter()
+                .flat_map(|(key, _, formula)| nodes.iter().map(move |(x, _)| (*key, x, formula.evaluate(x, t))));
+            let (key, x, value) = values.find(|(.., value)| !is_positive(*value))?;
+            Some(NotPositive { boundary: name.clone(), key, x: x.to_vec(), value })
+        })
+    }
 }
 
 /// Makes the name of the quantity for an error alone: there are many nodes.

@@ -52,6 +52,7 @@ pub use boundary_data::{BoundaryData, Data};
 pub use controls::Control;
 pub use flow::Flow;
 pub use forces::Wall;
+pub use given_values::NotPositive;
 pub use motion::{Motion, Stiffness};
 pub use parts::SolidPart;
 pub use probes::{Line, Observed, Probe, Slice, is_name_of_average};

@@ -176,7 +176,7 @@ pub(super) fn supersonic_inflow<const D: usize>(
 pub(super) type NodeAndNormal<const D: usize> = ([f64; D], [f64; D]);
 
 /// Every node on a boundary of the mesh at rest.
-fn nodes_with_normals<const D: usize>(mesh: &Mesh<D>, boundary: usize) -> Vec<NodeAndNormal<D>> {
+pub(super) fn nodes_with_normals<const D: usize>(mesh: &Mesh<D>, boundary: usize) -> Vec<NodeAndNormal<D>> {
     let facets = mesh.boundary_facets().iter().filter(|facet| facet.boundary == boundary);
     nodes_of_facets(mesh, facets, |_, _, _| [0.0; D])
 }

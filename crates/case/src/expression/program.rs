@@ -94,6 +94,11 @@ impl Program {
             .any(|instruction| matches!(instruction, Instruction::Control(other) if other.is(value)))
     }
 
+    /// Whether the formula contains a number that the run changes.
+    pub(crate) fn is_controlled(&self) -> bool {
+        self.instructions.iter().any(|instruction| matches!(instruction, Instruction::Control(_)))
+    }
+
     /// The formula + slopes . (x - centre).
     pub(crate) fn plus_linear(mut self, slopes: &[f64], centre: &[f64]) -> Self {
         use Instruction::{Add, Constant, Multiply, Subtract};
@@ -124,8 +129,7 @@ impl Program {
 
     /// Whether the value depends on time, or on a number that the run changes.
     pub fn changes_in_time(&self) -> bool {
-        self.contains(Variable::Time)
-            || self.instructions.iter().any(|instruction| matches!(instruction, Instruction::Control(_)))
+        self.contains(Variable::Time) || self.is_controlled()
     }
 
     /// Whether the value depends on a coordinate.

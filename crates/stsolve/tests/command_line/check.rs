@@ -104,7 +104,7 @@ fn poor_cells_of_a_map_are_warned_of() {
     for (shear, is_poor) in [(1, false), (100, true)] {
         let mesh = format!("lower = [0, 0], upper = [1, 1], cells = [2, 2], map = [\"x + {shear}*y\", \"y\"]");
         let case = format!(
-            "mesh.generate.box = {{ {mesh} }}\nmotion.displacement = [0, 0]\ntime = {{ order = 1, end = 1, slabs = 1 }}\n"
+            "mesh.order = 2\nmesh.generate.box = {{ {mesh} }}\nmotion.displacement = [0, 0]\ntime = {{ order = 1, end = 1, slabs = 1 }}\n"
         );
         std::fs::write(directory.path().join("case.toml"), case).unwrap();
         let (_, stdout, stderr) = outcome(directory.path(), &["check", "case.toml", "--json", "--probe", "never"]);

@@ -98,3 +98,40 @@ fn a_control_of_an_unknown_column_is_refused() {
         stsolve(directory.path(), &arguments).expect(2, &["controls.force.measure", "flow_rate", "momentum_x"]);
     }
 }
+
+/// A duct with gas at rest, in which a control sets the pressure outside.
+const DUCT: &str = r#"
+[mesh]
+order = 2
+generate.box = { lower = [0, 0], upper = [1, 0.5], cells = [2, 1] }
+[flow]
+order = 2
+initial.uniform = { density = 1, velocity = [0, 0], pressure = 1 }
+reference = { density = 1, speed = 0.3, pressure = 1, length = 1 }
+gas.gamma = 1.4
+[flow.boundary]
+left = { inflow = { total_pressure = 1, total_temperature = 1, direction = [1, 0] } }
+right = { outflow = { pressure = "back" } }
+others = "slip_wall"
+[controls.back]
+measure = "right_mass_flow"
+initial = 1
+rate = -12
+[time]
+order = 2
+end = 0.3
+step = 0.1
+"#;
+
+/// The failure blamed the mesh, and the condition on another boundary.
+#[test]
+fn a_control_that_makes_a_pressure_negative_is_named() {
+    let directory = TempDir::new().unwrap();
+    std::fs::write(directory.path().join("case.toml"), DUCT).unwrap();
+    let told = ["the control `back` has become -0.2", "`pressure` of the boundary `right` is -0.2"];
+    let outcome = stsolve(directory.path(), &["run", "case.toml", "--quiet"]);
+    assert!(!outcome.stderr.contains("likely cause"), "{}", outcome.stderr);
+    outcome.expect(1, &told);
+    let initial = ["check", "case.toml", "--set", "controls.back.initial=0"];
+    stsolve(directory.path(), &initial).expect(2, &["the pressure of 0 at [1.0, 0.0] and t = 0", "its `initial`"]);
+}

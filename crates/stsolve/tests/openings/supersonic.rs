@@ -80,7 +80,7 @@ fn openings_that_cannot_be_are_refused() {
     refused(&velocity("velocity = [1, 0], mass_flux = [1, 0], temperature = 1"), &["given twice"]);
     refused(
         &velocity("velocity = [1, 0], temperature = \"y - 0.5\""),
-        &["the temperature at [0.0, 0.0] and t = 0, -0.5,", "positive"],
+        &["the temperature of -0.5 at [0.0, 0.0] and t = 0", "positive"],
     );
     refused(&velocity("velocity = [\"1/0\", 0], temperature = 1"), &["the vector at"]);
     refused(

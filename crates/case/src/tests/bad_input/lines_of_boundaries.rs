@@ -38,7 +38,7 @@ pub(super) const BAD: &[BadLine] = &[
     (
         "left = \"slip_wall\"",
         "left = { outflow = { pressure = \"x - 1\" } }",
-        &["outflow.pressure = \"x - 1\"`", "the pressure at [0.0, 0.0] and t = 0, -1,", "positive everywhere"],
+        &["outflow.pressure = \"x - 1\"`", "the pressure of -1 at [0.0, 0.0] and t = 0", "positive everywhere"],
     ),
     (
         "left = \"slip_wall\"",
@@ -53,7 +53,7 @@ pub(super) const BAD: &[BadLine] = &[
     (
         "left = \"slip_wall\"",
         "left = { inflow = { total_pressure = 1, total_temperature = \"y\", direction = [1, 0] } }",
-        &["total_temperature = \"y\"`", "the temperature at [0.0, 0.0] and t = 0, 0,", "positive everywhere"],
+        &["total_temperature = \"y\"`", "the temperature of 0 at [0.0, 0.0] and t = 0", "positive everywhere"],
     ),
     (
         "left = \"slip_wall\"",
