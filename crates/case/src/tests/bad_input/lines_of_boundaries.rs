@@ -83,17 +83,17 @@ pub(super) const BAD: &[BadLine] = &[
     (
         "left = \"slip_wall\"",
         "left = { isothermal_wall = { temperature = \"1 - 2*t*y\" } }",
-        &["isothermal_wall.temperature", "the temperature at", "t = 0.618034", "positive everywhere"],
+        &["isothermal_wall.temperature", "the temperature of -0.236", "t = 0.618034", "positive everywhere"],
     ),
     (
         "left = \"slip_wall\"",
         "left = { outflow = { pressure = \"1 - 2*t*y\" } }",
-        &["outflow.pressure", "the pressure at", "t = 0.618034", "positive everywhere"],
+        &["outflow.pressure", "the pressure of", "t = 0.618034", "positive everywhere"],
     ),
     (
         "left = \"slip_wall\"",
         "left = { inflow = { total_pressure = \"1 - 2*t*y\", total_temperature = 1, direction = [1, 0] } }",
-        &["inflow.total_pressure", "the pressure at", "t = 0.618034", "positive everywhere"],
+        &["inflow.total_pressure", "the pressure of", "t = 0.618034", "positive everywhere"],
     ),
     (
         "left = \"slip_wall\"",
