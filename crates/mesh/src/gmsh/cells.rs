@@ -22,6 +22,7 @@ pub(super) struct Cells<const D: usize> {
     vertices: BTreeMap<Vec<u64>, usize>,
 }
 
+/// An error if the element names a node twice.
 fn refuse_repeated_node(element: &Element) -> Result<(), GmshError> {
     let mut nodes = element.nodes.clone();
     nodes.sort_unstable();

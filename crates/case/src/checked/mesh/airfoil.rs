@@ -78,9 +78,8 @@ impl Shape {
 
 fn contour(family: &Family<'_>, given: &AirfoilGenerator) -> Checked<Option<Shape>> {
     let (checker, key) = (family.checker, |name: &str| family.key.child(name));
-    if [given.thickness.is_some(), given.naca.is_some(), given.profile.is_some()].iter().filter(|given| **given).count()
-        > 1
-    {
+    let ways = [given.thickness.is_some(), given.naca.is_some(), given.profile.is_some()];
+    if ways.iter().filter(|way| **way).count() > 1 {
         let accepted = "one of `thickness`, `naca` and `profile`";
         return Err(checker.combination(&family.key, "the airfoil is given twice", accepted));
     }
