@@ -74,9 +74,7 @@ impl Origin {
             )
         })
     }
-}
 
-impl Origin {
     /// The warning about a coordinate whose `rate` was changed, while it goes on with the rate of the run.
     fn rate_without_effect(&self, (body, now): (&str, &Freedom), (before, rate): (&Freedom, f64)) -> Option<String> {
         (now.rate != before.rate).then(|| {

@@ -192,10 +192,7 @@ fn a_restart_continues_averages_of_the_same_kind() {
     let averages = "output.averages={from=0.1,fields=[\"velocity\"]}";
     run(directory.path(), FALLING, &["--set", averages, "--set", "time.end=0.5", "--set", "time.slabs=2"]);
     let restart = |output: &str, set: &[&str]| {
-        let case = directory.path().join("case.toml");
-        let mut arguments = vec!["run", case.to_str().unwrap(), "--output", output, "--set", "restart.from=run"];
-        set.iter().for_each(|change| arguments.extend(["--set", change]));
-        stsolve(directory.path(), &arguments)
+        on_text(directory.path(), FALLING, &[&["restart.from=run"], set].concat(), output, &[])
     };
     restart("same", &[averages]).expect(0, &[]);
     assert_all(
@@ -220,15 +217,11 @@ fn a_restart_continues_means_along_walls() {
     let directory = TempDir::new().unwrap();
     let averages = "output.averages={from=0.1,fields=[\"velocity\"]}";
     let set = [averages, "output.surfaces={walls=[\"bottom\"],every=1}", "time.slabs=4"];
+    let walls = FALLING
+        .replace("[\"x\", \"y\"]", "[\"x\"]")
+        .replace("} }\n    time", "}, boundary.others = \"slip_wall\" }\n    time");
     let go = |output: &str, more: &[&str]| {
-        let case = directory.path().join("case.toml");
-        let walls = FALLING
-            .replace("[\"x\", \"y\"]", "[\"x\"]")
-            .replace("} }\n    time", "}, boundary.others = \"slip_wall\" }\n    time");
-        fs::write(&case, walls).unwrap();
-        let mut arguments = vec!["run", case.to_str().unwrap(), "--output", output];
-        set.iter().chain(more).for_each(|change| arguments.extend(["--set", change]));
-        stsolve(directory.path(), &arguments).expect(0, &[]);
+        on_text(directory.path(), &walls, &[&set[..], more].concat(), output, &[]).expect(0, &[]);
     };
     go("through", &[]);
     go("half", &["time.end=0.5", "time.slabs=2"]);

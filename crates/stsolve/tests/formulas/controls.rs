@@ -1,6 +1,6 @@
 //! A control finds the force of a mass flow, after a resume and a restart too.
 
-use crate::common::{column, stsolve, summary};
+use crate::common::{column, on_text, stsolve, summary};
 use crate::run;
 use tempfile::TempDir;
 
@@ -127,9 +127,8 @@ step = 0.1
 #[test]
 fn a_control_that_makes_a_pressure_negative_is_named() {
     let directory = TempDir::new().unwrap();
-    std::fs::write(directory.path().join("case.toml"), DUCT).unwrap();
     let told = ["the control `back` has become -0.2", "`pressure` of the boundary `right` is -0.2"];
-    let outcome = stsolve(directory.path(), &["run", "case.toml", "--quiet"]);
+    let outcome = on_text(directory.path(), DUCT, &[], "run", &["--quiet"]);
     assert!(!outcome.stderr.contains("likely cause"), "{}", outcome.stderr);
     outcome.expect(1, &told);
     let initial = ["check", "case.toml", "--set", "controls.back.initial=0"];

@@ -21,7 +21,7 @@ const POOR_CELL: f64 = 0.1;
 const CELL_REYNOLDS: f64 = 100.0;
 
 /// Poor cells of a file, which may be pieces of triangles, tetrahedra or prisms, or of a box that a formula maps.
-pub(super) fn cells_of_file<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
+pub(super) fn poor_cells<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
     if !facts.case.are_cells_given {
         return None;
     }

@@ -1,7 +1,7 @@
 //! Choices of a case that are allowed, but likely wrong.
 
 use super::Facts;
-use super::resolution::{cells_of_file, free_flow, layer, quadrature, slab_length};
+use super::resolution::{free_flow, layer, poor_cells, quadrature, slab_length};
 use super::scales::{MotionScales, on_walls, speed_at_start};
 use case::{Flow, Motion, Preconditioner, State};
 use navier_stokes::{Boundary, Riemann, Source, Viscosity};
@@ -66,7 +66,7 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
             [quadrature(facts, flow), layer(facts, flow), free_flow(facts, flow), mach(flow), lines(facts, flow)];
         of_boundaries.into_iter().chain(of_start).chain(of_resolution)
     });
-    let of_all = [slab_length(facts), file_size(facts), cells_of_file(facts)];
+    let of_all = [slab_length(facts), file_size(facts), poor_cells(facts)];
     of_all.into_iter().chain(of_flow.into_iter().flatten()).flatten().collect()
 }
 
