@@ -56,7 +56,7 @@ pub struct Flow {
     #[serde(default)]
     pub forces: BTreeMap<String, Forces>,
     /// Typical values, which scale residuals and define dimensionless numbers. Default: the free stream (or mean state) of
-    /// the exact or the initial state.
+    /// `exact`; or else the far field, if all boundaries with that condition have the same; or else `initial`.
     pub reference: Option<Reference>,
 }
 

@@ -53,8 +53,6 @@ pub struct Share {
     cuts: Vec<Cut>,
     /// Own cells by their numbers in the whole mesh, in increasing order, and their local numbers.
     sorted: Vec<(usize, usize)>,
-    /// On rank 0 the own cells of all ranks.
-    cells_of_ranks: Vec<Vec<usize>>,
     /// On rank 0 the rank of every cell of the whole mesh.
     rank_of_cell: Vec<u32>,
     /// Cells of the whole mesh.
@@ -85,14 +83,12 @@ impl Share {
     /// The share of the rank that owns the blocks `sums.own()`.
     pub fn new<const D: usize>(mesh: &Mesh<D>, blocks: &Blocks, sums: Arc<Sums>) -> Self {
         let own = blocks.cells(&sums.own());
-        let told = if sums.communicator().rank() == 0 { sums.blocks_of_rank() } else { &[] };
         let mut share = Share {
             ends: ends(&own, blocks, sums.own()),
             sorted: sorted(&own),
             own,
             ghosts: Vec::new(),
             blocks: Blocks { of_cell: Vec::new(), ..*blocks },
-            cells_of_ranks: told.iter().map(|range| blocks.cells(range)).collect(),
             rank_of_cell: Vec::new(),
             sums,
             sends: Vec::new(),
@@ -101,7 +97,7 @@ impl Share {
             whole: mesh.n_cells(),
         };
         let owners = share.owners(blocks);
-        if !share.cells_of_ranks.is_empty() {
+        if share.sums.communicator().rank() == 0 {
             share.rank_of_cell = owners.iter().map(|&rank| rank as u32).collect();
         }
         share.meet_neighbours(mesh, blocks, &owners);
@@ -200,15 +196,15 @@ impl Share {
         self.sums.communicator().size() > 1
     }
 
+    /// The own part of `whole`, `len` numbers for every cell of the whole mesh.
+    pub fn own_part(&self, whole: &[f64]) -> Vec<f64> {
+        numbers_of(self.own.iter().copied(), whole, whole.len() / self.whole)
+    }
+
     /// The local numbers of those of `cells`, numbers in the whole mesh, that are own cells.
     fn own_among<'a>(&'a self, cells: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
         let place = |cell: &usize| self.sorted.binary_search_by_key(cell, |own| own.0).ok();
         cells.iter().filter_map(place).map(|place| self.sorted[place].1)
-    }
-
-    /// The own part of `whole`, `len` numbers for every cell of the whole mesh.
-    pub fn own_part(&self, whole: &[f64]) -> Vec<f64> {
-        numbers_of(self.own.iter().copied(), whole, whole.len() / self.whole)
     }
 }
 

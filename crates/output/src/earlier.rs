@@ -16,7 +16,7 @@ use crate::summary::SUMMARY_FILE;
 /// An earlier run, as described by its files.
 ///
 /// A run has no `summary.json` until it ends, so a directory without one holds a run that was killed. A run killed before its first
-/// checkpoint leaves nothing to continue, and is ignored.
+/// checkpoint has no result, and leaves the rows of its history; killed before its first slab it leaves nothing, and is ignored.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EarlierRun {
     /// Whether it reached its end.
@@ -35,16 +35,14 @@ impl EarlierRun {
     /// The run whose files are in `directory`, if there is one.
     pub fn find(directory: &Path) -> Option<Self> {
         let has_checkpoint = is_there(&directory.join(RESULT_FILE));
-        let summary = directory.join(SUMMARY_FILE);
-        if !has_checkpoint && !is_there(&summary) {
+        let (summary, last_time) = (summary(directory), last_time(directory));
+        if !has_checkpoint && summary.is_null() && last_time.is_none() {
             return None;
         }
-        let summary: Value =
-            fs::read_to_string(summary).ok().and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default();
         Some(EarlierRun {
             completed: summary["completed"] == true,
             reason: summary["reason"].as_str().map(str::to_owned),
-            time: summary["time"].as_f64().or_else(|| last_time(directory)),
+            time: summary["time"].as_f64().or(last_time),
             has_checkpoint,
             is_mesh_alone: match summary {
                 Value::Null => holds_mesh_alone(&directory.join(RESULT_FILE)),
@@ -70,22 +68,43 @@ fn is_there(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok()
 }
 
-/// The time of the last row of the history.
+/// The summary of a run in `directory`; null if there is none, or it cannot be read.
+fn summary(directory: &Path) -> Value {
+    let text = fs::read_to_string(directory.join(SUMMARY_FILE)).unwrap_or_default();
+    serde_json::from_str(&text).ok().filter(is_of_run).unwrap_or_default()
+}
+
+/// Whether a run wrote this summary.
+fn is_of_run(summary: &Value) -> bool {
+    summary["completed"].is_boolean()
+}
+
+/// The time of the last row of the history of a run.
 fn last_time(directory: &Path) -> Option<f64> {
+    if !starts_as_history(&fs::read(directory.join(HISTORY_FILE)).ok()?) {
+        return None;
+    }
     HistoryTable::read(directory).ok()?.column("t")?.last().copied()
+}
+
+/// Whether `text` starts as the history of a run, or is empty.
+fn starts_as_history(text: &[u8]) -> bool {
+    text.is_empty() || text.starts_with(b"t,dt,")
 }
 
 impl RunDirectory {
     /// A file in the directory with the name of a run's file that another program has written; a run would destroy it.
-    pub fn foreign_history(path: &Path) -> Option<PathBuf> {
-        let history = path.join(HISTORY_FILE);
-        let text = fs::read(&history).ok()?;
-        let is_ours = text.is_empty() || text.starts_with(b"t,dt,");
-        (!is_ours).then_some(history)
+    pub fn foreign_file(path: &Path) -> Option<PathBuf> {
+        let (history, summary) = (path.join(HISTORY_FILE), path.join(SUMMARY_FILE));
+        let is_summary = |text: Vec<u8>| serde_json::from_slice(&text).is_ok_and(|summary| is_of_run(&summary));
+        if fs::read(&history).is_ok_and(|text| !starts_as_history(&text)) {
+            return Some(history);
+        }
+        fs::read(&summary).is_ok_and(|text| !is_summary(text)).then_some(summary)
     }
 
-    /// Removes files that would be mistaken for the work of the new run. Of a resumed run that is the old summary. Of others it is the result,
-    /// too, with its lines, slices and surfaces, and the `others` made from it.
+    /// Removes files that would be mistaken for the work of the new run. Of a resumed run that is the old summary. Of others it is the result and
+    /// the history, too, with lines, slices and surfaces, and the `others` made from it.
     ///
     /// # Errors
     /// [`OutputError::File`] if the system refuses.
@@ -94,7 +113,7 @@ impl RunDirectory {
         if resumed {
             return Ok(());
         }
-        [&[RESULT_FILE], others].concat().iter().try_for_each(|name| remove(&self.path().join(name)))?;
+        [&[RESULT_FILE, HISTORY_FILE], others].concat().iter().try_for_each(|name| remove(&self.path().join(name)))?;
         self.clear_series()
     }
 
@@ -134,10 +153,13 @@ mod tests {
         let write = |name: &str, text: &str| fs::write(directory.path().join(name), text).unwrap();
         let find = || EarlierRun::find(directory.path());
         write("notes.txt", "not ours");
+        write(HISTORY_FILE, "t,dt,newton\n");
+        assert_eq!(find(), None, "killed before its first slab");
         write(HISTORY_FILE, "t,dt,newton\n0.5,0.5,3\n");
-        assert_eq!(find(), None, "killed before its first checkpoint");
+        let killed = EarlierRun { time: Some(0.5), ..Default::default() };
+        assert_eq!(find(), Some(killed.clone()), "killed before its first checkpoint");
         write(RESULT_FILE, "");
-        let killed = EarlierRun { time: Some(0.5), has_checkpoint: true, ..Default::default() };
+        let killed = EarlierRun { has_checkpoint: true, ..killed };
         assert_eq!(find(), Some(killed.clone()));
         write(SUMMARY_FILE, r#"{"completed": true, "time": 2.0, "mesh": {}, "unknowns": {"flow": 8}}"#);
         assert_eq!(find(), Some(EarlierRun { completed: true, time: Some(2.0), ..killed }));
@@ -155,17 +177,22 @@ mod tests {
         // Lines, slices and surfaces of the replaced run lay beside the summary of the new one.
         let left = |name: &&str| directory.path().join(name).exists();
         assert!(!series.iter().chain(&["slice_c"]).any(left));
-        assert!(directory.path().join("notes.txt").exists() && directory.path().join(HISTORY_FILE).exists());
+        assert!(directory.path().join("notes.txt").exists() && !directory.path().join(HISTORY_FILE).exists());
     }
 
+    /// A summary of another program was told as that of a run.
     #[test]
-    fn the_history_of_another_program_is_recognised() {
+    fn files_of_another_program_are_recognised() {
         let directory = tempfile::tempdir().unwrap();
-        let path = directory.path().join(HISTORY_FILE);
-        assert_eq!(RunDirectory::foreign_history(directory.path()), None);
-        fs::write(&path, "t,dt,elasticity_iterations\n").unwrap();
-        assert_eq!(RunDirectory::foreign_history(directory.path()), None);
-        fs::write(&path, "date,price\n").unwrap();
-        assert_eq!(RunDirectory::foreign_history(directory.path()), Some(path));
+        let [history, summary] = [HISTORY_FILE, SUMMARY_FILE].map(|name| directory.path().join(name));
+        let foreign = || RunDirectory::foreign_file(directory.path());
+        assert_eq!(foreign(), None);
+        fs::write(&history, "t,dt,elasticity_iterations\n").unwrap();
+        fs::write(&summary, r#"{"completed": false}"#).unwrap();
+        assert_eq!(foreign(), None);
+        fs::write(&summary, r#"{"total": 3}"#).unwrap();
+        assert_eq!((EarlierRun::find(directory.path()), foreign()), (None, Some(summary)));
+        fs::write(&history, "date,t\n1,2\n").unwrap();
+        assert_eq!((EarlierRun::find(directory.path()), foreign()), (None, Some(history)));
     }
 }

@@ -72,7 +72,7 @@ fn read(file: &hdf5::File) -> hdf5::Result<ResultInfo> {
         space_nodes: metadata.space_nodes.len(),
         time_nodes: metadata.time_nodes.len(),
         times: vtkhdf::times(&root)?,
-        checkpoint: state::read(&group)?.into(),
+        checkpoint: state::read(&group, &[])?.0.into(),
     })
 }
 

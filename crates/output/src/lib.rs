@@ -43,6 +43,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod checkpoint;
 mod checksum;
 mod cost;
 mod directory;
@@ -69,6 +70,7 @@ mod summary;
 mod viewer_file;
 mod vtkhdf;
 
+pub use checkpoint::Checkpoint;
 pub use checksum::Checksum;
 pub use cost::{Cost, Machine, Part};
 pub use directory::{LockOwner, RunDirectory};

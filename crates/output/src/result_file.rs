@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use hdf5::File;
 
+use crate::checkpoint::Checkpoint;
 use crate::directory::RunDirectory;
 use crate::error::OutputError;
 use crate::files::{file_error, partial, publish};
@@ -70,7 +71,8 @@ impl ResultFile {
     }
 
     /// Continues the result file of the directory after its last checkpoint, if `accept` finds nothing in its description
-    /// and its state that prevents a continuation as `now`. The case of `now` replaces the one in the file.
+    /// and its state that prevents a continuation as `now`. The case of `now` replaces the one in the file. The arrays that stay `in_file`
+    /// are not read yet.
     ///
     /// # Errors
     /// [`OutputError::NoCheckpoint`], [`OutputError::Damaged`], [`OutputError::Version`], or [`OutputError::OtherCase`] with the
@@ -78,17 +80,18 @@ impl ResultFile {
     pub fn resume(
         directory: &RunDirectory,
         now: &Metadata,
+        in_file: &[&str],
         accept: impl FnOnce(&Metadata, &SolverState) -> Result<(), String>,
-    ) -> Result<(Self, SolverState), OutputError> {
+    ) -> Result<(Self, Checkpoint), OutputError> {
         let path = directory.path().join(RESULT_FILE);
-        let (metadata, state, layout) = match read(&path) {
+        let (metadata, checkpoint, layout) = match read(&path, in_file) {
             Err(OutputError::NoResult { path }) => return Err(OutputError::NoCheckpoint { path }),
             read => read?,
         };
-        accept(&metadata, &state).map_err(|difference| OutputError::OtherCase { path, difference })?;
+        accept(&metadata, &checkpoint.state).map_err(|difference| OutputError::OtherCase { path, difference })?;
         let mut result = Self::new(directory, layout);
         result.now = (metadata.case_text != now.case_text).then(|| now.clone());
-        Ok((result, state))
+        Ok((result, checkpoint))
     }
 
     fn new(directory: &RunDirectory, layout: FileLayout) -> Self {
@@ -246,15 +249,16 @@ impl Drop for ResultFile {
 /// # Errors
 /// [`OutputError::NoResult`] if there is no file, [`OutputError::Damaged`] if it is damaged, [`OutputError::Version`] if its format is not supported.
 pub fn read_checkpoint(path: &Path) -> Result<(Metadata, SolverState), OutputError> {
-    read(path).map(|(metadata, state, _)| (metadata, state))
+    read(path, &[]).map(|(metadata, checkpoint, _)| (metadata, checkpoint.state))
 }
 
-fn read(path: &Path) -> Result<(Metadata, SolverState, FileLayout), OutputError> {
+fn read(path: &Path, in_file: &[&str]) -> Result<(Metadata, Checkpoint, FileLayout), OutputError> {
     let file = open(path)?;
     let read = || {
         let (group, vtkhdf) = (file.group(format::GROUP)?, file.group("VTKHDF")?);
         let layout = format::read_layout(&group, &vtkhdf)?;
-        Ok((format::read_metadata(&group)?, state::read(&group)?, layout))
+        let (state, in_file) = state::read(&group, in_file)?;
+        Ok((format::read_metadata(&group)?, Checkpoint::new(state, in_file, path.to_owned()), layout))
     };
     read().map_err(|error: hdf5::Error| damaged(path, &error))
 }

@@ -95,15 +95,17 @@ fn room(arrays: &Group, name: &str, len: usize) -> Result<Dataset> {
     Ok(array)
 }
 
-/// Reads the state in the group `parent`.
-pub(crate) fn read(parent: &Group) -> Result<SolverState> {
+/// Reads the state in the group `parent`, except for the arrays that stay `in_file`.
+pub(crate) fn read(parent: &Group, in_file: &[&str]) -> Result<(SolverState, BTreeMap<String, Dataset>)> {
     let group = parent.group("state")?;
     let (arrays, integers, texts) = (group.group("arrays")?, group.group("integers")?, group.group("texts")?);
-    Ok(SolverState {
-        arrays: named(arrays.member_names()?, |name| Ok(Arc::new(arrays.dataset(name)?.read_raw()?)))?,
+    let (stay, now) = arrays.member_names()?.into_iter().partition(|name| in_file.contains(&name.as_str()));
+    let state = SolverState {
+        arrays: named(now, |name| Ok(Arc::new(arrays.dataset(name)?.read_raw()?)))?,
         integers: named(integers.attr_names()?, |name| read_integer(&integers, name))?,
         texts: named(texts.attr_names()?, |name| read_text(&texts, name))?,
-    })
+    };
+    Ok((state, named(stay, |name| arrays.dataset(name))?))
 }
 
 fn named<T>(names: Vec<String>, read: impl Fn(&str) -> Result<T>) -> Result<BTreeMap<String, T>> {

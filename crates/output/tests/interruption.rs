@@ -123,7 +123,7 @@ fn directories_made_for_a_run_that_writes_nothing_are_removed() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("runs/box");
     let run = RunDirectory::open(&path).unwrap();
-    assert!(matches!(ResultFile::resume(&run, &metadata(), |_, _| Ok(())), Err(OutputError::NoCheckpoint { .. })));
+    assert!(matches!(ResultFile::resume(&run, &metadata(), &[], |_, _| Ok(())), Err(OutputError::NoCheckpoint { .. })));
     drop(run);
     assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 0);
 }

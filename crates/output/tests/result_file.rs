@@ -52,7 +52,7 @@ fn a_reader_finds_each_step_while_the_run_goes_on() {
     assert!(!RunDirectory::is_held(directory.path()));
     let held = RunDirectory::open(directory.path()).unwrap();
     assert!(RunDirectory::is_held(directory.path()));
-    let (mut result, _) = ResultFile::resume(&held, &metadata(), |_, _| Ok(())).unwrap();
+    let (mut result, _) = ResultFile::resume(&held, &metadata(), &[], |_, _| Ok(())).unwrap();
     let reader = ResultReader::open(&directory.path().join(RESULT_FILE)).unwrap();
     append(&mut result, 4);
     result.checkpoint(&state(4)).unwrap();
@@ -76,7 +76,7 @@ fn a_former_end_leaves_no_trace() {
     let write = |path: &Path, slabs: &[u64], former_end: bool| {
         let directory = RunDirectory::open(path).unwrap();
         let mut result = match former_end {
-            true => ResultFile::resume(&directory, &metadata(), |_, _| Ok(())).unwrap().0,
+            true => ResultFile::resume(&directory, &metadata(), &[], |_, _| Ok(())).unwrap().0,
             false => ResultFile::create(&directory, layout(), &metadata()).unwrap(),
         };
         if former_end {
@@ -229,7 +229,7 @@ fn nothing_to_resume_from_another_case_and_another_format_are_told_apart() {
             true => Ok(()),
             false => Err(format!("{} is not {case}", found.case_fingerprint)),
         };
-        ResultFile::resume(&RunDirectory::open(directory.path()).unwrap(), &metadata(), accept).map(drop)
+        ResultFile::resume(&RunDirectory::open(directory.path()).unwrap(), &metadata(), &[], accept).map(drop)
     };
     assert!(matches!(resume(CASE), Err(OutputError::NoCheckpoint { .. })));
     run(directory.path(), 0, 1, 1);
@@ -253,7 +253,7 @@ fn a_resumed_run_leaves_its_own_case() {
     run(directory.path(), 0, 1, 1);
     let held = RunDirectory::open(directory.path()).unwrap();
     let now = Metadata { case_text: "end = 2".into(), case_fingerprint: "1".into(), ..metadata() };
-    let (mut result, _) = ResultFile::resume(&held, &now, |_, _| Ok(())).unwrap();
+    let (mut result, _) = ResultFile::resume(&held, &now, &[], |_, _| Ok(())).unwrap();
     append(&mut result, 2);
     result.checkpoint(&state(2)).unwrap();
     assert_eq!(read_checkpoint(result.path()).unwrap().0, now);
@@ -325,4 +325,23 @@ fn a_file_of_another_kind_is_reported_even_with_a_seal() {
     hdf5::File::create(&path).unwrap().close().unwrap();
     seal(&path);
     assert!(matches!(read_checkpoint(&path), Err(OutputError::Damaged { .. })));
+}
+
+/// A resumed run had all arrays in memory at once.
+#[test]
+fn long_arrays_stay_in_the_file() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    common::run(path, 0, 1, 1);
+    let (_, whole) = read_checkpoint(&path.join(RESULT_FILE)).unwrap();
+    let held = RunDirectory::open(path).unwrap();
+    let (_, mut found) = ResultFile::resume(&held, &metadata(), &["flow", "absent"], |_, _| Ok(())).unwrap();
+    let flow = &whole.arrays["flow"];
+    assert!(flow.len() > 2 && !found.state.arrays.contains_key("flow"));
+    assert_eq!([found.len_of("flow"), found.len_of("absent")], [Some(flow.len()), None]);
+    assert_eq!(found.part("flow", 1..flow.len()).unwrap(), flow[1..]);
+    assert!(found.part("flow", 1..1).unwrap().is_empty());
+    assert_eq!(found.whole().unwrap(), whole);
+    found.retain_arrays(|name| name != "flow");
+    assert_eq!(found.len_of("flow"), None);
 }

@@ -12,7 +12,7 @@ use coupled::FlowMarch;
 use elasticity::ElasticityError;
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, Manufactured, NavierStokes};
-use output::{Arrays, SolverState};
+use output::{Arrays, Checkpoint, SolverState};
 use std::borrow::Cow;
 
 /// The array of a checkpoint with the time from which the flow is in a split form.
@@ -29,15 +29,15 @@ pub fn split_form<const D: usize>(case: &Case<D>, flow: &Flow<D>) -> Option<Flow
 }
 
 /// `stored`, the state before a slab that could not be solved after `rejected` attempts, as one from which the flow goes on in a split form.
-pub fn in_split_form(mut stored: SolverState, rejected: usize) -> SolverState {
-    let time = stored.arrays.get("time").cloned().unwrap_or_default();
-    stored.arrays.insert(SINCE.into(), time);
+pub fn in_split_form(mut stored: Checkpoint, rejected: usize) -> Checkpoint {
+    let time = stored.state.arrays.get("time").cloned().unwrap_or_default();
+    stored.state.arrays.insert(SINCE.into(), time);
     // The whole slab is tried again; the carried determinants and the preconditioner were those of another quadrature.
     let goes =
         |name: &str| name.starts_with("frozen.") || ["failed", "determinants", checkpoint::ATTEMPTS].contains(&name);
-    stored.arrays.retain(|name, _| !goes(name));
-    stored.arrays.insert("pending".into(), Vec::new().into());
-    stored.integers.extend([("stale".into(), 1), ("rejected".into(), rejected as i64)]);
+    stored.retain_arrays(|name| !goes(name));
+    stored.state.arrays.insert("pending".into(), Vec::new().into());
+    stored.state.integers.extend([("stale".into(), 1), ("rejected".into(), rejected as i64)]);
     stored
 }
 

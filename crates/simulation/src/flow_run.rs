@@ -26,7 +26,7 @@ use coupled::block::BodyState;
 use coupled::{FlowMarch, MarchError, SlabError, SlabReport};
 use fem::{Layout, StateField};
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
-use output::{ArraySpec, OutputError, SolverState, Summary};
+use output::{ArraySpec, Checkpoint, OutputError, Summary};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
@@ -229,8 +229,8 @@ where
         stored
     }
 
-    fn restore(&mut self, stored: &SolverState) -> Option<()> {
-        if let Some(counts) = checkpoint::attempts(stored) {
+    fn restore(&mut self, stored: &Checkpoint) -> Result<(), Failure> {
+        if let Some(counts) = checkpoint::attempts(&stored.state) {
             self.march.solver.system.set_counts(counts);
         }
         self.crew.restore(self.case, &mut self.flow, stored, (&mut self.march, &mut self.averages))

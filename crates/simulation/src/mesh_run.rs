@@ -13,7 +13,7 @@ use crate::session::Session;
 use case::Case;
 use case::rounded_time;
 use coupled::{MeshMarch, MeshQuality, MeshReport};
-use output::{SolverState, Summary};
+use output::{Checkpoint, Summary};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -93,8 +93,8 @@ impl<const D: usize> Run for MeshRun<'_, D> {
         checkpoint::store(&self.march.state, None, false).into()
     }
 
-    fn restore(&mut self, stored: &SolverState) -> Option<()> {
-        checkpoint::restore(&mut self.march.state, stored, &self.case.time)
+    fn restore(&mut self, stored: &Checkpoint) -> Result<(), Failure> {
+        checkpoint::restore(&mut self.march.state, &stored.whole()?, &self.case.time).ok_or_else(checkpoint::incomplete)
     }
 
     fn summary(&mut self, context: &RunContext, stop: Option<&Stop>) -> Summary {

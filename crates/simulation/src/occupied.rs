@@ -104,7 +104,7 @@ pub fn check(destination: &Destination, observer: &dyn Observer, beginning: Begi
         let (found, remedies) = (described(&earlier), remedies(&earlier, can_resume, observer, directory));
         return Err(Failure::bad_input(OccupiedError::Earlier { directory: directory.clone(), found, remedies }));
     }
-    match RunDirectory::foreign_history(directory) {
+    match RunDirectory::foreign_file(directory) {
         Some(file) => Err(Failure::bad_input(OccupiedError::Foreign { file, elsewhere })),
         None => Ok(()),
     }
@@ -131,6 +131,7 @@ fn described(run: &EarlierRun) -> String {
     let time = run.time.map_or(String::new(), |time| format!(", t = {}", rounded_time(time)));
     match &run.reason {
         _ if run.completed => format!("a finished {what}{time}"),
+        None if !run.has_checkpoint => format!("an unfinished {what}{time}, without a checkpoint"),
         None => format!("an unfinished {what}{time}"),
         Some(reason) => {
             let first = reason.lines().next().unwrap_or_default();

@@ -14,13 +14,14 @@ use super::cuts::Reached;
 use super::history::columns;
 use super::resume;
 use super::statistics::RunStatistics;
+use crate::crew::OfCells;
 use crate::error::Failure;
 use crate::observer::{Positions, RunState, SlabFlow};
 use crate::session::Session;
 use case::Case;
 use coupled::block::BodyState;
 use layout::{fingerprint, flow_order, layout, metadata};
-use output::{ArrayInParts, ArraySpec, History, Kept, Metadata, OutputError, ResultFile, SolverState};
+use output::{ArrayInParts, ArraySpec, Checkpoint, History, Kept, Metadata, OutputError, ResultFile, SolverState};
 use report::REPORT_FILE;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -140,7 +141,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         mesh: &Arc<MeshView<D>>,
         resume: bool,
         origin: Option<&SolverState>,
-    ) -> Result<(Self, Option<SolverState>), Failure> {
+    ) -> Result<(Self, Option<Checkpoint>), Failure> {
         let metadata = metadata(case, mesh);
         let (result, stored) = if resume {
             let accept = |found: &Metadata, stored: &SolverState| {
@@ -148,7 +149,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
                 let reached = reached.copied().unwrap_or(f64::INFINITY);
                 resume::accept(found, &metadata, reached, |lasting| fingerprint(case, lasting))
             };
-            let (result, stored) = ResultFile::resume(&session.directory, &metadata, accept)?;
+            let (result, stored) = ResultFile::resume(&session.directory, &metadata, &OfCells::names(), accept)?;
             (result, Some(stored))
         } else {
             (ResultFile::create(&session.directory, layout::<D, M>(case), &metadata)?, None)
@@ -157,7 +158,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         session.directory.clear(resume, &others_to_clear())?;
         tracing::info!(resume, "the run begins");
         let told = Told::new::<D, M>(case, mesh);
-        let history = history_after(stored.as_ref().or(origin), session, &told.columns)?;
+        let history = history_after(stored.as_ref().map(|stored| &stored.state).or(origin), session, &told.columns)?;
         let parts = StepParts::new(case, mesh.clone());
         let recorder = Recorder { parts, result, history, slabs_since_checkpoint: 0, told };
         Ok((recorder, stored))
@@ -167,11 +168,11 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     ///
     /// # Errors
     /// Files that cannot be read or written.
-    pub fn go_back(&mut self, session: &Session<'_>) -> Result<SolverState, Failure> {
-        let (result, stored) =
-            ResultFile::resume(&session.directory, &metadata(self.case(), &self.parts.mesh), |_, _| Ok(()))?;
+    pub fn go_back(&mut self, session: &Session<'_>) -> Result<Checkpoint, Failure> {
+        let metadata = metadata(self.case(), &self.parts.mesh);
+        let (result, stored) = ResultFile::resume(&session.directory, &metadata, &OfCells::names(), |_, _| Ok(()))?;
         self.result = result;
-        self.history = history_after(Some(&stored), session, &self.told.columns)?;
+        self.history = history_after(Some(&stored.state), session, &self.told.columns)?;
         self.slabs_since_checkpoint = 0;
         Ok(stored)
     }

@@ -19,7 +19,7 @@ use coupled::{Linearisation, MeshMotion, MeshMover, State, rounded_time};
 use fem::{Layout, Orders};
 use mesh::{Mesh, NodeNumbering};
 use navier_stokes::Conserved;
-use output::{RESULT_FILE, RestMesh, ResultReader, Series, SolverState};
+use output::{Checkpoint, RESULT_FILE, RestMesh, ResultReader, Series, SolverState};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -33,7 +33,7 @@ const STEADY_PROBLEM: [&str; 7] = ["constants", "tables", "flow", "motion", "bod
 #[derive(Debug)]
 pub struct Start {
     /// The state, in the orders of the new run.
-    pub state: SolverState,
+    pub checkpoint: Checkpoint,
     /// Warnings about it.
     pub warnings: Vec<String>,
     /// The distributions along walls of the earlier run.
@@ -132,7 +132,8 @@ impl Origin {
         continued.arrays.extend(sums);
         let is_measured_anew =
             pressure_changes || self.has_other_quadrature(case)? || self.is_other(case, &["bodies", "structure"])?;
-        Ok(Start { state: continued, warnings, surfaces: Vec::new(), added_walls, searches_anew, is_measured_anew })
+        let checkpoint = continued.into();
+        Ok(Start { checkpoint, warnings, surfaces: Vec::new(), added_walls, searches_anew, is_measured_anew })
     }
 
     /// A warning if `time.start` is neither that of the run nor the `time` from which this case goes on.

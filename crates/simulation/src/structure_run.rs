@@ -16,7 +16,7 @@ use coupled::block::{BodyState, Ledger};
 use coupled::{Observation, SlabError, StructureMarch, StructureReport};
 use elasticity::{ElasticityError, NaturalMode, natural_modes};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
-use output::{SolverState, Summary};
+use output::{Checkpoint, Summary};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -138,8 +138,8 @@ impl<const D: usize> Run for StructureRun<'_, D> {
         checkpoint::store(&self.march.state, None, false).into()
     }
 
-    fn restore(&mut self, stored: &SolverState) -> Option<()> {
-        checkpoint::restore(&mut self.march.state, stored, &self.case.time)
+    fn restore(&mut self, stored: &Checkpoint) -> Result<(), Failure> {
+        checkpoint::restore(&mut self.march.state, &stored.whole()?, &self.case.time).ok_or_else(checkpoint::incomplete)
     }
 
     fn summary(&mut self, context: &RunContext, stop: Option<&Stop>) -> Summary {

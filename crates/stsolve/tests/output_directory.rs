@@ -70,6 +70,18 @@ fn an_unfinished_run_was_replaced_without_a_word() {
     assert!(!run.join("failure").exists(), "that of the run before");
 }
 
+/// A run killed before its first checkpoint leaves its history only.
+#[test]
+fn the_history_of_a_killed_run_was_replaced_without_a_word() {
+    let directory = TempDir::new().unwrap();
+    let run = directory.path().join("run");
+    fs::create_dir_all(&run).unwrap();
+    fs::write(run.join("history.csv"), "t,dt,newton_steps\n0.1,0.1,3\n").unwrap();
+    let parts = ["holds an unfinished run, t = 0.1, without a checkpoint;"];
+    assert_refused(&run, || call(&directory, "run", &[], "run", &[]), &[&REMEDIES[..], &parts].concat());
+    call(&directory, "run", &[], "run", &["--force"]).expect(0, &[]);
+}
+
 #[test]
 fn a_run_of_the_mesh_alone_is_not_replaced_either() {
     let directory = TempDir::new().unwrap();
@@ -117,9 +129,12 @@ fn files_of_others_stay() {
     fs::write(run.join("failure/mine.txt"), "mine").unwrap();
     fs::write(run.join("notes.txt"), "mine").unwrap();
     fs::write(run.join("history.csv"), "date,price\n1,2\n").unwrap();
-    let foreign = || call(&directory, "run", &[], "run", &[]);
-    assert_refused(&run, foreign, &["`run/history.csv` was not written by stsolve"]);
-    fs::remove_file(run.join("history.csv")).unwrap();
+    fs::write(run.join("summary.json"), r#"{"total": 3}"#).unwrap();
+    for name in ["history.csv", "summary.json"] {
+        let foreign = || call(&directory, "run", &[], "run", &[]);
+        assert_refused(&run, foreign, &[&format!("`run/{name}` was not written by stsolve")]);
+        fs::remove_file(run.join(name)).unwrap();
+    }
     call(&directory, "run", &[], "run", &[]).expect(0, &[]);
     call(&directory, "run", &[], "run", &["--force"]).expect(0, &[]);
     for name in ["failure/mine.txt", "notes.txt"] {

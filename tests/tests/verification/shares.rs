@@ -142,7 +142,12 @@ fn cells_are_gathered_and_scattered() {
         let share = Share::new(&mesh, &blocks, sums);
         let is_first = counting.rank() == 0;
         let whole: Vec<f64> = (0..16).flat_map(|cell| [number(cell, 0), number(cell, 1)]).collect();
-        let own = share.scatter(if is_first { &whole } else { &[] }, 2);
+        // Parts of three cells; only rank 0 is asked for them.
+        let parts = || (0..16).step_by(3).map(|start| start..16.min(start + 3));
+        let own = share.scatter(2, parts(), |cells| {
+            assert!(is_first && cells.len() <= 3);
+            whole[2 * cells.start..2 * cells.end].to_vec()
+        });
         assert_eq!(own, share.own.iter().flat_map(|&cell| [number(cell, 0), number(cell, 1)]).collect::<Vec<f64>>());
         let all = share.join(&own);
         assert_eq!(all, if is_first { whole } else { Vec::new() });
@@ -151,7 +156,7 @@ fn cells_are_gathered_and_scattered() {
         assert_eq!(share.gather(&own, &wanted), if is_first { expected } else { Vec::new() });
         let sent = if is_first { 0 } else { 16 * share.own.iter().filter(|cell| wanted.contains(cell)).count() };
         assert_eq!(counting.reset().bytes, sent as u64);
-        assert!(share.gather(&own, &[]).is_empty() && share.scatter(&[], 0).is_empty());
+        assert!(share.gather(&own, &[]).is_empty() && share.scatter(0, parts(), |_| Vec::new()).is_empty());
     });
 }
 

@@ -6,7 +6,7 @@ use crate::error::{Errors, collected};
 use crate::key::Key;
 use crate::raw;
 use crate::state::State;
-use navier_stokes::{Gas, Reference, Viscosity};
+use navier_stokes::{Gas, Primitive, Reference, Viscosity};
 
 /// The length to which coefficients and Reynolds numbers refer where the case gives none.
 pub(super) const DEFAULT_LENGTH: f64 = 1.0;
@@ -33,7 +33,7 @@ pub(super) fn check<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw:
         let accepted = "a key `initial`, or `exact` from which it is taken";
         return Err(checker.combination(key, "there is no initial state", accepted));
     };
-    let stream = exact.as_ref().or(initial.as_ref()).and_then(|typical| typical.stream);
+    let stream = typical_stream(checker, key, raw, [exact.as_ref(), initial.as_ref()], gas);
     let (reference, speed, length) = reference(checker, key, raw.reference.as_ref(), stream, gas)?;
     let uniform = initial.as_ref().filter(|typical| matches!(typical.state, State::Uniform(_)));
     let uniform_velocity = uniform.and_then(|typical| typical.stream).map(|stream| stream.velocity);
@@ -62,6 +62,39 @@ fn states<const D: usize>(
     Ok([states.next().flatten(), states.next().flatten()])
 }
 
+/// The stream from which the reference follows: that of the exact state, or of the far field, or of the initial state.
+fn typical_stream<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &raw::Flow,
+    [exact, initial]: [Option<&Typical<D>>; 2],
+    gas: Gas,
+) -> Option<Primitive<f64, D>> {
+    let of_far_field = || far_stream(checker, &key.child("boundary"), raw, gas);
+    match exact {
+        Some(exact) => exact.stream,
+        None => of_far_field().or_else(|| initial.and_then(|typical| typical.stream)),
+    }
+}
+
+/// The stream of all far fields, if it is one and moves. The errors of a far field are those of its boundary.
+fn far_stream<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &raw::Flow,
+    gas: Gas,
+) -> Option<Primitive<f64, D>> {
+    let stream = |(name, condition): (&String, &raw::Condition)| match condition {
+        raw::Condition::FarField(stream) => {
+            Some(states::free_stream(checker, &key.child(name).child("far_field"), stream, gas).ok())
+        }
+        _ => None,
+    };
+    let mut streams = raw.boundary.iter().filter_map(stream);
+    let first = streams.next().flatten().filter(|stream| tensor::norm(&stream.velocity) > 0.0)?;
+    streams.all(|other| other == Some(first)).then_some(first)
+}
+
 /// The gas. A Reynolds number needs the reference state. This follows from the given states, for which a gas of any viscosity will do.
 fn gas<const D: usize>(checker: &Checker<'_>, flow_key: &Key, flow: &raw::Flow) -> Checked<Gas> {
     let (key, raw) = (&flow_key.child("gas"), &flow.gas);
@@ -81,7 +114,7 @@ fn gas<const D: usize>(checker: &Checker<'_>, flow_key: &Key, flow: &raw::Flow) 
     let raw::Viscosity::Reynolds(reynolds) = raw.viscosity else { return gas(viscosity) };
     let provisional = gas(viscosity)?;
     let [exact, initial] = states::<D>(checker, flow_key, flow, provisional)?;
-    let stream = exact.or(initial).and_then(|typical| typical.stream);
+    let stream = typical_stream(checker, flow_key, flow, [exact.as_ref(), initial.as_ref()], provisional);
     let (reference, speed, length) = reference(checker, flow_key, flow.reference.as_ref(), stream, provisional)?;
     gas(Viscosity::Constant(reference.density() * speed * length.unwrap_or(DEFAULT_LENGTH) / reynolds))
 }
@@ -140,7 +173,7 @@ fn reference<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
     raw: Option<&raw::Reference>,
-    stream: Option<navier_stokes::Primitive<f64, D>>,
+    stream: Option<Primitive<f64, D>>,
     gas: Gas,
 ) -> Checked<(Reference, f64, Option<f64>)> {
     let key_reference = key.child("reference");
@@ -160,7 +193,8 @@ fn reference<const D: usize>(
     let accepted = "a table `reference = { density, speed, pressure }` with sizes that are typical of the flow";
     let speed = stream.map_or(0.0, |stream| tensor::norm(&stream.velocity));
     let Some(stream) = stream.filter(|_| speed > 0.0) else {
-        let problem = "the size of the velocity cannot be told from the exact or the initial state";
+        let problem =
+            "the size of the velocity cannot be told from the exact state, the far field or the initial state";
         return Err(checker.combination(&key_reference, problem, accepted));
     };
     let (density, pressure) = (stream.density, stream.pressure);

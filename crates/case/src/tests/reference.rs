@@ -76,3 +76,37 @@ fn the_middle_extent_of_a_body_counts() {
     let Ok(AnyCase::Space(case)) = check_text(text, &[]) else { panic!("refused") };
     assert_eq!(case.flow.unwrap().time_length, 1.0);
 }
+
+/// The speed of the reference and the viscosity at a Reynolds number of 100, with this start and these far fields.
+fn reference_speed(start: &str, far: [&str; 2]) -> (f64, f64) {
+    let text = format!(
+        "mesh = {{ order = 2, generate.box = {{ lower = [0, 0], upper = [1, 1], cells = [2, 2] }} }}
+         time = {{ order = 1, end = 1, step = 1 }}
+         [flow]
+         order = 2
+         gas.viscosity.reynolds = 100
+         {start}
+         [flow.boundary]
+         left = {{ far_field = {{ {}, pressure = 2 }} }}
+         others = {{ far_field = {{ {}, pressure = 2 }} }}",
+        far[0], far[1]
+    );
+    let flow = plane(&text, &[]).flow.unwrap();
+    let navier_stokes::Viscosity::Constant(viscosity) = flow.law.gas.viscosity() else { panic!("it is constant") };
+    (flow.reference_speed, viscosity)
+}
+
+/// Another initial state than the far field was the reference of all coefficients and of the viscosity, without a word.
+#[test]
+fn the_reference_is_the_far_field() {
+    let [rest, fast] = ["[0, 0]", "[3, 0]"].map(|w| format!("initial.uniform = {{ velocity = {w}, pressure = 2 }}"));
+    let exact = "exact.uniform = { velocity = [5, 0], pressure = 2 }";
+    let [one, two] = ["velocity = [0, 1]", "velocity = [2, 0]"];
+    let formulas = "initial.expression = { density = 1, velocity = [1, 0], pressure = 2 }";
+    for start in [&rest, &fast, formulas] {
+        assert_eq!(reference_speed(start, [one, one]), (1.0, 0.01), "{start}");
+    }
+    assert_eq!(reference_speed(&fast, [one, two]), (3.0, 0.03), "two far fields");
+    assert_eq!(reference_speed(&fast, ["velocity = [0, 0]"; 2]), (3.0, 0.03), "a far field at rest");
+    assert_eq!(reference_speed(exact, [one, one]), (5.0, 0.05), "the exact state");
+}

@@ -189,7 +189,7 @@ impl Share {
 
     /// `own`, and `len` numbers for each of the `cells` of all other ranks, rank by rank.
     fn receive_numbers(&self, own: Vec<f64>, len: usize, cells: &[usize]) -> Vec<Vec<f64>> {
-        let mut counts = vec![0; self.cells_of_ranks.len()];
+        let mut counts = vec![0; self.sums.communicator().size()];
         cells.iter().for_each(|&cell| counts[self.rank_of_cell[cell] as usize] += len);
         let mut of_ranks: Vec<Vec<f64>> =
             counts.into_iter().enumerate().map(|(rank, count)| vec![0.0; if rank > 0 { count } else { 0 }]).collect();
@@ -208,21 +208,50 @@ impl Share {
         self.gather(of_own, &(0..self.whole).collect::<Vec<usize>>())
     }
 
-    /// The own part of what rank 0 has as `whole`: `len` numbers for every cell of the mesh. A collective call with the same `len`.
-    pub fn scatter(&self, whole: &[f64], len: usize) -> Vec<f64> {
-        let communicator = self.sums.communicator();
-        if communicator.rank() > 0 {
-            let mut own = vec![0.0; self.own.len() * len];
-            if !own.is_empty() {
-                communicator.exchange(&[], &mut [(0, &mut own)]);
+    /// The own part of `len` numbers for every cell of the mesh. Rank 0 has them in parts: `part` gives the numbers of a range of cells.
+    /// The `ranges` cover all cells. A collective call with the same `len` and `ranges`.
+    pub fn scatter(
+        &self,
+        len: usize,
+        ranges: impl Iterator<Item = Range<usize>>,
+        mut part: impl FnMut(Range<usize>) -> Vec<f64>,
+    ) -> Vec<f64> {
+        let mut all = vec![0.0; self.own.len() * len];
+        for range in ranges.filter(|_| len > 0) {
+            let cells: Vec<usize> = range.clone().collect();
+            let own = match self.sums.communicator().rank() {
+                0 => self.send_to_owners(&cells, &part(range), len),
+                _ => self.receive_own(&cells, len),
+            };
+            for (place, numbers) in self.own_among(&cells).zip(own.chunks_exact(len)) {
+                all[place * len..(place + 1) * len].copy_from_slice(numbers);
             }
-            return own;
         }
-        for (rank, cells) in self.cells_of_ranks.iter().enumerate().skip(1).filter(|_| len > 0) {
-            let part = numbers_of(cells.iter().copied(), whole, len);
-            communicator.exchange(&[(rank, &part)], &mut []);
+        all
+    }
+
+    /// Sends all other ranks the `numbers` of their `cells`, `len` for each, and returns the own ones.
+    fn send_to_owners(&self, cells: &[usize], numbers: &[f64], len: usize) -> Vec<f64> {
+        let communicator = self.sums.communicator();
+        let mut of_ranks = vec![Vec::new(); communicator.size()];
+        for (&cell, numbers) in cells.iter().zip(numbers.chunks_exact(len)) {
+            of_ranks[self.rank_of_cell[cell] as usize].extend_from_slice(numbers);
         }
-        self.own_part(whole)
+        let others = of_ranks.iter().enumerate().skip(1).filter(|(_, numbers)| !numbers.is_empty());
+        let sends: Vec<(usize, &[f64])> = others.map(|(rank, numbers)| (rank, &numbers[..])).collect();
+        if !sends.is_empty() {
+            communicator.exchange(&sends, &mut []);
+        }
+        of_ranks.swap_remove(0)
+    }
+
+    /// Receives from rank 0 the numbers of those of `cells` that are own cells, `len` for each.
+    fn receive_own(&self, cells: &[usize], len: usize) -> Vec<f64> {
+        let mut own = vec![0.0; self.own_among(cells).count() * len];
+        if !own.is_empty() {
+            self.sums.communicator().exchange(&[], &mut [(0, &mut own)]);
+        }
+        own
     }
 
     /// Lists of all ranks with `len` numbers for each item, sorted by the items' `keys`. A collective call.

@@ -23,6 +23,11 @@ impl<const D: usize> FarField<D> {
     pub fn new(free_stream: Primitive<f64, D>) -> Result<Self, InvalidParameter> {
         Ok(FarField { free_stream: free_stream.checked()? })
     }
+
+    /// The state outside.
+    pub fn free_stream(&self) -> Primitive<f64, D> {
+        self.free_stream
+    }
 }
 
 impl<const D: usize> Condition<D> for FarField<D> {

@@ -29,6 +29,14 @@ impl<const D: usize> IsothermalWall<D> {
         Ok(IsothermalWall { given: Given::Uniform(Values { pressure: 0.0, vector, temperature }) })
     }
 
+    /// Its temperature; None if it is given at every point.
+    pub fn temperature(&self) -> Option<f64> {
+        match self.given {
+            Given::Uniform(values) => Some(values.temperature),
+            Given::AtPoints => None,
+        }
+    }
+
     /// A wall whose sliding velocity and temperature are given at every point: data = [_, slide, temperature].
     pub fn at_points() -> Self {
         IsothermalWall { given: Given::AtPoints }

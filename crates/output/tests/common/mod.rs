@@ -95,8 +95,8 @@ pub fn run(path: &Path, from: u64, to: u64, interval: u64) {
     let mut result = if from == 0 {
         ResultFile::create(&directory, layout(), &metadata()).unwrap()
     } else {
-        let (result, found) = ResultFile::resume(&directory, &metadata(), |_, _| Ok(())).unwrap();
-        assert_eq!(found.integers["slab"], from as i64);
+        let (result, found) = ResultFile::resume(&directory, &metadata(), &[], |_, _| Ok(())).unwrap();
+        assert_eq!(found.state.integers["slab"], from as i64);
         result
     };
     for slab in from + 1..=to {

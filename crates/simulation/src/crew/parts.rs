@@ -1,11 +1,12 @@
 //! What ranks have of the flow: each of its own cells.
 
 use crate::averages::{AverageSums, MOMENTS, OFFSETS};
-use crate::checkpoint;
+use crate::{cells, checkpoint};
 use coupled::preconditioner::Ordering;
 use coupled::{FlowMarch, Linearisation, Past, State};
 use fem::Share;
-use output::SolverState;
+use output::{Checkpoint, SolverState};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// An array with numbers of every cell.
@@ -51,6 +52,11 @@ impl OfCells {
         (OfCells::AverageOffsets, OFFSETS),
         (OfCells::AverageMoments, MOMENTS),
     ];
+
+    /// The names of all in a checkpoint.
+    pub fn names() -> [&'static str; 6] {
+        Self::ALL.map(|(_, name)| name)
+    }
 
     /// Of the own cells of this rank; empty if there is no such array.
     pub fn own<const D: usize, const M: usize>(self, Own { march, averages }: Own<'_, D, M>) -> &[f64] {
@@ -116,23 +122,31 @@ fn length_of(name: &str) -> String {
 }
 
 /// `stored` without the arrays of [`OfCells`], with their lengths in each of so many `cells`. `None` if they do not fit the cells.
-pub(super) fn without_arrays(stored: &SolverState, cells: usize) -> Option<SolverState> {
-    let mut out = stored.clone();
-    for (_, name) in OfCells::ALL {
-        if let Some(values) = out.arrays.remove(name) {
-            (values.len() % cells == 0).then_some(())?;
-            out.integers.insert(length_of(name), (values.len() / cells) as i64);
+pub(super) fn without_arrays(stored: &Checkpoint, cells: usize) -> Option<SolverState> {
+    let mut out = stored.state.clone();
+    for name in OfCells::names() {
+        out.arrays.remove(name);
+        if let Some(len) = stored.len_of(name) {
+            len.is_multiple_of(cells).then_some(())?;
+            out.integers.insert(length_of(name), (len / cells) as i64);
         }
     }
     Some(out)
 }
 
-/// `common`, which all ranks have, with the arrays of the own cells. Rank 0 has those of all cells in `whole`. A collective call.
-pub(super) fn with_own_arrays(mut common: SolverState, whole: Option<&SolverState>, share: &Share) -> SolverState {
-    for (_, name) in OfCells::ALL {
+/// `common`, which all ranks have, with the arrays of the own cells. On rank 0 `part` gives a range of the values of an array of all cells. A
+/// collective call.
+pub(super) fn with_own_arrays(
+    mut common: SolverState,
+    share: &Share,
+    mut part: impl FnMut(&str, Range<usize>) -> Vec<f64>,
+) -> SolverState {
+    for name in OfCells::names() {
         if let Some(length) = common.integers.remove(&length_of(name)) {
-            let values = whole.and_then(|whole| whole.arrays.get(name)).map_or(&[][..], |values| &values[..]);
-            common.arrays.insert(name.to_owned(), share.scatter(values, length as usize).into());
+            let len = length as usize;
+            let of_cells = |cells: Range<usize>| part(name, cells.start * len..cells.end * len);
+            let own = share.scatter(len, cells::ranges(share.whole_cells(), len), of_cells);
+            common.arrays.insert(name.to_owned(), own.into());
         }
     }
     common

@@ -41,7 +41,8 @@ where
             (Order::Restore, Some(march)) => {
                 let common = orders::decode(&state);
                 controls::set_for_preconditioner(case, Some(&common));
-                let own = parts::with_own_arrays(common, None, &march.solver.system.flow.operator.share);
+                let share = &march.solver.system.flow.operator.share;
+                let own = parts::with_own_arrays(common, share, |_, _| Vec::new());
                 stored::restore(case, &mut flow, &own, (march, &mut averages));
             }
             (Order::SearchSteadyFlow | Order::ReleaseBodies, Some(march)) => {

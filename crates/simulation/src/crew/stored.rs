@@ -3,13 +3,14 @@
 use super::parts::{self, own_linearisation};
 use super::{Crew, OfCells, Order, Own};
 use crate::averages::AverageSums;
+use crate::error::Failure;
 use crate::record::Stored;
 use crate::{cells, checkpoint, fallback};
 use case::{Case, Flow, State};
 use coupled::{FlowMarch, Linearisation};
-use fem::StateField;
+use fem::{Share, StateField};
 use navier_stokes::{Compiled, Exact, Manufactured, NavierStokes};
-use output::{ArrayInParts, SolverState};
+use output::{ArrayInParts, Checkpoint, SolverState};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
@@ -19,26 +20,43 @@ const BLOCKS: &str = "blocks";
 
 impl Crew {
     /// Has all ranks take their parts of the state, and of a linearisation if there is one. A `flow` that the state has in a split form
-    /// becomes that one. `None` if this rank cannot take it.
+    /// becomes that one. With several blocks no rank has the long arrays of all cells in memory.
+    ///
+    /// # Errors
+    /// An array that cannot be read, or a state that this rank cannot take.
     pub fn restore<const D: usize, const M: usize>(
         &self,
         case: &Case<D>,
         flow: &mut Cow<'_, Flow<D>>,
-        stored: &SolverState,
+        stored: &Checkpoint,
         (march, averages): (&mut FlowMarch<D, M>, &mut AverageSums),
-    ) -> Option<()>
+    ) -> Result<(), Failure>
     where
         NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
         Exact<State<D>>: StateField<D, M>,
         Manufactured<State<D>, D>: StateField<D, M>,
     {
-        if march.solver.system.flow.operator.share.is_whole() {
-            return restore(case, flow, stored, (march, averages));
-        }
-        let common = parts::without_arrays(stored, case.mesh.n_cells())?;
+        let share = &march.solver.system.flow.operator.share;
+        let own = match share.is_whole() {
+            true => stored.whole()?,
+            false => self.own_of(stored, share, case.mesh.n_cells())?,
+        };
+        restore(case, flow, &own, (march, averages)).ok_or_else(checkpoint::incomplete)
+    }
+
+    /// What all ranks have of a state `stored` on a mesh of so many `cells`, and the own part of the rest.
+    fn own_of(&self, stored: &Checkpoint, share: &Share, cells: usize) -> Result<SolverState, Failure> {
+        let common = parts::without_arrays(stored, cells).ok_or_else(checkpoint::incomplete)?;
         self.orders.give(Order::Restore, Some(&common));
-        let own = parts::with_own_arrays(common, Some(stored), &march.solver.system.flow.operator.share);
-        restore(case, flow, &own, (march, averages))
+        // All ranks go on to the end: an error must not leave them waiting.
+        let mut failed = None;
+        let own = parts::with_own_arrays(common, share, |name, range| {
+            stored.part(name, range.clone()).unwrap_or_else(|error| {
+                failed.get_or_insert(error);
+                vec![0.0; range.len()]
+            })
+        });
+        failed.map_or(Ok(own), |error| Err(error.into()))
     }
 
     /// The state with what the preconditioners of all ranks are made of. Averages, and where there are several blocks all numbers of cells, are

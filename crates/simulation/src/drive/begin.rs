@@ -13,7 +13,7 @@ use crate::session::Session;
 use crate::statistics::RunStatistics;
 use crate::{checkpoint, controls, cuts, failure, surfaces};
 use case::{Case, rounded_time, surface_name};
-use output::{RESULT_FILE, ResultReader, Series, SolverState};
+use output::{Checkpoint, RESULT_FILE, ResultReader, Series};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -23,12 +23,12 @@ pub(super) fn open_files<'a, const D: usize, const M: usize>(
     case: &'a Case<D>,
     mesh: &Arc<MeshView<D>>,
     Call { destination, observer, origin, .. }: &Call<'_>,
-) -> Result<(Recorder<'a, D, M>, Option<SolverState>), Failure> {
+) -> Result<(Recorder<'a, D, M>, Option<Checkpoint>), Failure> {
     // Checked once more, now that no other run can write there.
     let is_mesh_alone = case.flow.is_none() && case.structure.is_none();
     let beginning = Beginning { source: case.restart.as_deref(), case: &case.about.resolved, is_mesh_alone };
     occupied::check(destination, *observer, beginning)?;
-    let state = origin.as_ref().map(|start| &start.state);
+    let state = origin.as_ref().map(|start| &start.checkpoint.state);
     let opened = Recorder::<D, M>::start(session, case, mesh, destination.is_resumed(), state)?;
     origin.iter().flat_map(|start| &start.warnings).for_each(|warning| tracing::warn!("{warning}"));
     failure::clear(session.directory.path())?;
@@ -171,13 +171,14 @@ fn added_on_resume<const D: usize>(case: &Case<D>, session: &Session<'_>, time: 
 /// Restores the run from a checkpoint, its own or that of the run that it continues.
 pub(super) fn restore<const D: usize>(
     run: &mut impl Run,
-    stored: Option<&SolverState>,
+    stored: Option<&Checkpoint>,
     case: &Case<D>,
 ) -> Result<RunStatistics, Failure> {
-    controls::set_for_preconditioner(case, stored);
+    controls::set_for_preconditioner(case, stored.map(|stored| &stored.state));
     let Some(stored) = stored else { return Ok(RunStatistics::default()) };
-    run.restore(stored).ok_or_else(checkpoint::incomplete)?;
-    let statistics = RunStatistics::from_arrays(&stored.arrays, walls(case)).ok_or_else(checkpoint::incomplete)?;
+    run.restore(stored)?;
+    let statistics =
+        RunStatistics::from_arrays(&stored.state.arrays, walls(case)).ok_or_else(checkpoint::incomplete)?;
     controls::set_present(case, &statistics);
     Ok(statistics)
 }
@@ -188,7 +189,7 @@ pub(super) fn take_over<const D: usize>(
     start: &Start,
     case: &Case<D>,
 ) -> Result<RunStatistics, Failure> {
-    let mut statistics = restore(run, Some(&start.state), case)?;
+    let mut statistics = restore(run, Some(&start.checkpoint), case)?;
     // Balances that have not begun will begin with the integrals of this run.
     if start.is_measured_anew && !statistics.totals_at_start.is_empty() {
         run.begin_balances(&mut statistics);

@@ -31,7 +31,8 @@ pub(super) fn fall_back<const D: usize, const M: usize>(
     // Also those in parts of the slab that had been solved.
     let rejected = context.statistics.rejected + run.state().rejected as u64;
     let stored = recorder.go_back(session)?;
-    let before = RunStatistics::from_arrays(&stored.arrays, walls(case)).map_or(0, |statistics| statistics.rejected);
+    let before =
+        RunStatistics::from_arrays(&stored.state.arrays, walls(case)).map_or(0, |statistics| statistics.rejected);
     let stored = fallback::in_split_form(stored, (rejected - before.min(rejected)) as usize);
     context.statistics = restore(run, Some(&stored), case)?;
     run.begin_balances(&mut context.statistics);

@@ -7,7 +7,7 @@ use crate::failure::Finding;
 use crate::record::Stored;
 use crate::session::Session;
 use crate::statistics::RunStatistics;
-use output::{ArraySpec, OutputError, SolverState, Summary};
+use output::{ArraySpec, Checkpoint, OutputError, Summary};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
@@ -60,8 +60,11 @@ pub(crate) trait Run {
     fn enter(&mut self, report: &Self::Report, context: &mut RunContext) -> Vec<f64>;
     /// The state from which the next slab can start.
     fn store(&self) -> Stored<'_>;
-    /// Restores the march from a checkpoint; `None` if something is missing there.
-    fn restore(&mut self, stored: &SolverState) -> Option<()>;
+    /// Restores the march from a checkpoint.
+    ///
+    /// # Errors
+    /// Something is missing there, or cannot be read.
+    fn restore(&mut self, stored: &Checkpoint) -> Result<(), Failure>;
     /// summary.json
     fn summary(&mut self, context: &RunContext, stop: Option<&Stop>) -> Summary;
     /// Examines the `error` of a failed slab.

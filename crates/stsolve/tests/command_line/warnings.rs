@@ -4,6 +4,12 @@ use crate::common::shipped;
 use crate::outcome;
 use std::path::Path;
 
+/// Other far fields of the airfoil, and a wall of another temperature.
+const FAST: &str = "flow.boundary.far={far_field={velocity=[1,0],mach=0.9}}";
+const SLOW: &str = "flow.boundary.far={far_field={velocity=[1,0],mach=0.05}}";
+const TURNED: &str = "flow.boundary.far={far_field={velocity=[1,0.1],mach=0.2}}";
+const HOT: &str = "flow.boundary.airfoil={isothermal_wall={temperature=300}}";
+
 #[test]
 fn check_warns_of_doubtful_choices_and_names_the_remedy() {
     let airfoil = shipped("naca0012_heave.toml");
@@ -24,8 +30,19 @@ fn check_warns_of_doubtful_choices_and_names_the_remedy() {
         (&["motion.boundary.airfoil.displacement=[0, \"0.1*sin(pi*t)^2\"]"], "none", ""),
         (&["motion.boundary.airfoil.displacement=[0, \"3*t^2\"]"], "speed of walls", "`shock_capturing = {}`"),
         (&["flow.gas.gamma=14"], "ratio of specific heats", "1.4 for air"),
-        (&["flow.initial.uniform.mach=0.9"], "Mach number", "`shock_capturing = {}`"),
-        (&["flow.initial.uniform.mach=0.05", "flow.riemann=\"lax_friedrichs\""], "Mach number", "\"roe\""),
+        (&["flow.initial.uniform.mach=0.9", FAST], "Mach number", "`shock_capturing = {}`"),
+        (&["flow.initial.uniform.mach=0.05", SLOW, "flow.riemann=\"lax_friedrichs\""], "Mach number", "\"roe\""),
+        (
+            &["flow.initial.uniform={velocity=[3.6,0],mach=0.72}"],
+            "free stream",
+            "the far field `far` has density 1, velocity [1.0, 0.0]",
+        ),
+        (
+            &[TURNED, "flow.initial.uniform.velocity=[1,0.1]"],
+            "drag",
+            "`flow.forces.airfoil.drag_direction = [1.0, 0.1]`",
+        ),
+        (&[HOT], "wall temperature", "`flow.gas.gas_constant`"),
         (&[viscosity], "turbulence", "lower Reynolds number"),
         (&["solver={newton_tolerance=1e-5}"], "start of the flow", "`[solver.steady]`"),
         (&["flow.gas.viscosity=\"inviscid\""], "viscosity", "slip_wall"),

@@ -9,14 +9,17 @@
 //! | `walls` | resolution of the first cell at a wall |
 //! | `measured` | measurements of trial computations |
 //! | `warnings` | choices that are allowed but likely wrong |
+//! | `gas`, `streams` | those about the gas and about its streams |
 //! | `resolution` | warnings about what mesh, slabs and quadrature resolve |
 
 mod blocks;
+mod gas;
 mod measured;
 mod observed;
 mod outputs;
 mod resolution;
 mod scales;
+mod streams;
 mod tables;
 mod walls;
 mod warnings;

@@ -3,8 +3,9 @@
 use super::Facts;
 use super::resolution::{free_flow, layer, poor_cells, quadrature, slab_length};
 use super::scales::{MotionScales, on_walls, speed_at_start};
-use case::{Flow, Motion, Preconditioner, State};
-use navier_stokes::{Boundary, Riemann, Source, Viscosity};
+use super::{gas, streams};
+use case::{Flow, Motion, Preconditioner};
+use navier_stokes::{Boundary, Riemann};
 use simulation::{
     PrescribedNode, jump_of_centrifugal_force, speed_of_bodies_at_start, unheld_in_equilibrium, wall_that_bulges,
 };
@@ -25,10 +26,6 @@ const CELLS_CROSSED: f64 = 1.0;
 /// From this Mach number on, shocks may form.
 const TRANSONIC: f64 = 0.8;
 
-/// If the reference temperature and Sutherland's temperature differ by more than this factor, the gas constant is
-/// doubtful.
-const FAR_FROM_SUTHERLAND: f64 = 3.0;
-
 /// A result file above this size causes a warning, in MB.
 const LARGE_FILE: f64 = 5000.0;
 
@@ -46,10 +43,12 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
         let walls = on_walls(facts, flow);
         let of_boundaries = [
             body(facts, flow),
-            friction(facts, flow),
+            gas::friction(facts, flow),
             bulge(facts, flow),
-            exact(flow),
-            rotating_frame(facts, flow),
+            streams::exact(flow),
+            streams::rotating_frame(facts, flow),
+            streams::unlike(facts, flow),
+            streams::drag_direction(facts, flow),
             jump_of_centrifugal_force(facts.case).and_then(|text| warning("rotating frame", text)),
             far_field(facts, flow),
             reference_length(facts, flow),
@@ -57,8 +56,9 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
         let of_start = [
             start(facts, flow, &walls),
             sudden_flow(facts, flow),
-            sutherland(flow),
-            gamma(flow),
+            gas::sutherland(flow),
+            gas::gamma(flow),
+            gas::wall_temperature(facts, flow),
             unheld_in_equilibrium(facts.case).and_then(|text| warning("equilibrium", text)),
             fast_walls(facts, flow, &walls),
         ];
@@ -97,52 +97,6 @@ fn body<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning>
          \"slip_wall\" for a gas without viscosity"
     );
     warning("moving boundary", text)
-}
-
-/// Without viscosity a gas slips along walls.
-fn friction<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
-    if flow.law.gas.viscosity() != Viscosity::Inviscid {
-        return None;
-    }
-    let sticks =
-        |condition: &Boundary<D>| matches!(condition, Boundary::AdiabaticWall(_) | Boundary::IsothermalWall(_));
-    let index = flow.boundary.iter().position(|data| sticks(&data.condition))?;
-    let text = format!(
-        "`{}` is a wall without slip, in a gas without viscosity: `flow.gas.viscosity = {{ constant = ... }}`, density times speed times length \
-         over the Reynolds number that is wanted; or the condition \"slip_wall\"",
-        facts.case.mesh.boundary_names()[index]
-    );
-    warning("viscosity", text)
-}
-
-/// A uniform flow and a vortex do not satisfy wall conditions.
-fn exact<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
-    let knows_no_walls = matches!(&flow.exact, Some(State::Uniform(_) | State::Vortex(_)));
-    if flow.walls.is_empty() || !knows_no_walls || flow.is_manufactured() {
-        return None;
-    }
-    let text = "`flow.exact` is no solution of a flow with walls, and errors against it mean nothing: `flow.initial` in its place, for instance \
-                `initial = { uniform = { velocity = [1, 0], mach = 0.2 } }`, and `far_field` where boundaries are \"exact\"";
-    warning("exact solution", text.to_owned())
-}
-
-/// A uniform stream does not satisfy the equations of a rotating frame.
-fn rotating_frame<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
-    if !matches!(flow.law.source, Source::Rotating(_)) {
-        return None;
-    }
-    let mut boundaries = flow.boundary.iter().zip(facts.case.mesh.boundary_names());
-    let far = boundaries.find(|(data, _)| matches!(data.condition, Boundary::FarField(_)));
-    let (key, remedy) = match (&flow.exact, far) {
-        (Some(State::Uniform(_)), _) => ("flow.exact".to_owned(), "exact"),
-        (_, Some((_, name))) => (format!("flow.boundary.{name}.far_field"), "prescribed_state"),
-        _ => return None,
-    };
-    let text = format!(
-        "`{key}` is uniform, and no solution in a rotating frame, where centrifugal and Coriolis forces accelerate it: formulas, \
-         `{remedy} = {{ expression = ... }}`; gas at rest outside has the velocity [\"rate*y\", \"-rate*x\"] about the z axis"
-    );
-    warning("rotating frame", text)
 }
 
 /// The preconditioner by lines neglects neighbours.
@@ -202,40 +156,6 @@ fn start<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>, walls: &[Prescrib
          rest, for instance multiplied by (1 - exp(-(t/T)^2)), or a table with `ends = \"at_rest\"`"
     );
     warning("start of the motion", text)
-}
-
-/// The largest ratio of specific heats of any gas, that of one atom.
-const LARGEST_GAMMA: f64 = 5.0 / 3.0;
-
-/// No gas has a larger ratio of specific heats than one of single atoms.
-fn gamma<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
-    let gamma = flow.law.gas.gamma();
-    // 1.667 is a usual value.
-    if gamma < LARGEST_GAMMA + 1e-3 {
-        return None;
-    }
-    let text = format!("`flow.gas.gamma` of {gamma} is larger than that of any gas, 1 to 5/3: 1.4 for air");
-    warning("ratio of specific heats", text)
-}
-
-/// Sutherland's law depends on the temperature itself, which depends on the gas constant: with R left at 1 it is p /
-/// rho.
-fn sutherland<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
-    let gas = &flow.law.gas;
-    let Viscosity::Sutherland { temperature, .. } = gas.viscosity() else { return None };
-    let sound = flow.reference_speed / flow.law.reference.mach();
-    let reference = sound * sound / (gas.gamma() * gas.gas_constant());
-    let ratio = reference / temperature;
-    if (1.0 / FAR_FROM_SUTHERLAND..=FAR_FROM_SUTHERLAND).contains(&ratio) {
-        return None;
-    }
-    let text = format!(
-        "the reference temperature p / (rho R), {reference:.4e}, is {ratio:.1e} times `sutherland.temperature`, {temperature}: the viscosity there is \
-         {:.2e}; `flow.gas.gas_constant` in the units of the case (air in SI units: 287.05), now {}",
-        gas.dynamic_viscosity(reference),
-        gas.gas_constant()
-    );
-    warning("Sutherland's law", text)
 }
 
 /// A uniform stream does not satisfy no-slip walls: as the initial state it makes boundary layers form suddenly.

@@ -1,0 +1,99 @@
+//! Warnings about streams that do not fit the walls, the frame or each other.
+
+use super::Facts;
+use super::warnings::{Warning, warning};
+use case::{Flow, State};
+use navier_stokes::{Boundary, Gas, Primitive, Source};
+use tensor::norm;
+
+/// The initial state differs from the far field by more than this, in parts of the density, the speed or the pressure outside.
+const UNLIKE: f64 = 1e-2;
+
+/// The sine of the least angle between drag and the far field that causes a warning: 0.06 degrees.
+const TURNED: f64 = 1e-3;
+
+/// A uniform flow and a vortex do not satisfy wall conditions.
+pub(super) fn exact<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
+    let knows_no_walls = matches!(&flow.exact, Some(State::Uniform(_) | State::Vortex(_)));
+    if flow.walls.is_empty() || !knows_no_walls || flow.is_manufactured() {
+        return None;
+    }
+    let text = "`flow.exact` is no solution of a flow with walls, and errors against it mean nothing: `flow.initial` in its place, for instance \
+                `initial = { uniform = { velocity = [1, 0], mach = 0.2 } }`, and `far_field` where boundaries are \"exact\"";
+    warning("exact solution", text.to_owned())
+}
+
+/// A uniform stream does not satisfy the equations of a rotating frame.
+pub(super) fn rotating_frame<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
+    if !matches!(flow.law.source, Source::Rotating(_)) {
+        return None;
+    }
+    let mut boundaries = flow.boundary.iter().zip(facts.case.mesh.boundary_names());
+    let far = boundaries.find(|(data, _)| matches!(data.condition, Boundary::FarField(_)));
+    let (key, remedy) = match (&flow.exact, far) {
+        (Some(State::Uniform(_)), _) => ("flow.exact".to_owned(), "exact"),
+        (_, Some((_, name))) => (format!("flow.boundary.{name}.far_field"), "prescribed_state"),
+        _ => return None,
+    };
+    let text = format!(
+        "`{key}` is uniform, and no solution in a rotating frame, where centrifugal and Coriolis forces accelerate it: formulas, \
+         `{remedy} = {{ expression = ... }}`; gas at rest outside has the velocity [\"rate*y\", \"-rate*x\"] about the z axis"
+    );
+    warning("rotating frame", text)
+}
+
+/// A uniform initial state that the far field changes at once: often one of the two was forgotten.
+pub(super) fn unlike<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
+    let State::Uniform(state) = &flow.initial else { return None };
+    let (start, gas) = (state.primitive(), &flow.law.gas);
+    // Gas at rest that a far field sets into motion is a choice.
+    let (name, outside) =
+        far_fields(facts, flow).find(|(_, outside)| norm(&start.velocity) > 0.0 && differ(&start, outside))?;
+    let text = format!(
+        "the flow starts with {}, and the far field `{name}` has {}, to which the flow turns: one state for both if that is not meant",
+        described(&start, gas),
+        described(&outside, gas)
+    );
+    warning("free stream", text)
+}
+
+fn far_fields<'a, const D: usize>(
+    facts: &'a Facts<'_, D>,
+    flow: &'a Flow<D>,
+) -> impl Iterator<Item = (&'a String, Primitive<f64, D>)> {
+    flow.boundary.iter().zip(facts.case.mesh.boundary_names()).filter_map(|(data, name)| match &data.condition {
+        Boundary::FarField(far) => Some((name, far.free_stream())),
+        _ => None,
+    })
+}
+
+fn differ<const D: usize>(start: &Primitive<f64, D>, outside: &Primitive<f64, D>) -> bool {
+    let change: [f64; D] = std::array::from_fn(|i| start.velocity[i] - outside.velocity[i]);
+    norm(&change) > UNLIKE * norm(&outside.velocity)
+        || (start.density - outside.density).abs() > UNLIKE * outside.density
+        || (start.pressure - outside.pressure).abs() > UNLIKE * outside.pressure
+}
+
+fn described<const D: usize>(stream: &Primitive<f64, D>, gas: &Gas) -> String {
+    let Primitive { density, velocity, pressure } = stream;
+    let mach = norm(velocity) / (gas.gamma() * pressure / density).sqrt();
+    format!("density {density}, velocity {velocity:?}, pressure {pressure:.5}, Mach {mach:.3}")
+}
+
+/// Drag is along x unless told otherwise, also at an angle of attack.
+pub(super) fn drag_direction<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
+    let (_, outside) = far_fields(facts, flow).next()?;
+    let speed = norm(&outside.velocity);
+    let is_along_x = |direction: &[f64; D]| direction[0] == 1.0;
+    let wall = flow.walls.iter().find(|wall| is_along_x(&wall.scales.drag_direction))?;
+    let across = norm(&std::array::from_fn::<f64, D, _>(|i| if i == 0 { 0.0 } else { outside.velocity[i] }));
+    if across <= TURNED * speed {
+        return None;
+    }
+    let (name, velocity) = (&wall.name, &outside.velocity);
+    let text = format!(
+        "the far field has the velocity {velocity:?}, and drag of `{name}` is the force along x: `flow.forces.{name}.drag_direction = {velocity:?}` for \
+         drag and lift of the stream"
+    );
+    warning("drag", text)
+}
