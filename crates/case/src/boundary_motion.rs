@@ -129,11 +129,16 @@ pub type NormalAndArc<const D: usize> = ([f64; D], f64);
 impl<const D: usize> NormalMotion<D> {
     fn displacement<T: Transcendental>(&self, node: usize, x: &[T; D], t: T) -> [T; D] {
         let Some((normal, s)) = self.nodes.get(&node) else { return [T::from(0.0); D] };
+        let amount = self.amount_at(x, *s, t);
+        normal.map(|n| amount * n)
+    }
+
+    /// f
+    pub(super) fn amount_at<T: Transcendental>(&self, x: &[T; D], s: f64, t: T) -> T {
         let mut position = [T::from(0.0); 4];
         position[..D].copy_from_slice(x);
-        position[D] = T::from(*s);
-        let amount = self.amount.evaluate(&position[..=D], t);
-        normal.map(|n| amount * n)
+        position[D] = T::from(s);
+        self.amount.evaluate(&position[..=D], t)
     }
 }
 

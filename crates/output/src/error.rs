@@ -33,13 +33,27 @@ pub enum OutputError {
         /// The missing result file.
         path: PathBuf,
     },
+    /// What should be the directory of a run is none.
+    #[error("`{path}` is no directory; name the directory of a run")]
+    NoDirectory {
+        /// What was named.
+        path: PathBuf,
+    },
+    /// A file that no run has written.
+    #[error(
+        "`{path}` is no HDF5 file, and so no result of a run; name the file `result.vtkhdf` of a run, or its directory"
+    )]
+    NotHdf5 {
+        /// The file read.
+        path: PathBuf,
+    },
     /// There is nothing to resume from.
     #[error("`{path}` does not exist, so there is no checkpoint to resume from; start without resuming")]
     NoCheckpoint {
         /// The missing result file.
         path: PathBuf,
     },
-    /// A result file is truncated or overwritten, or not even an HDF5 file.
+    /// A result file is truncated or overwritten.
     #[error("`{path}` is damaged: {reason}; restore it from a copy, or run the case anew")]
     Damaged {
         /// The file read.

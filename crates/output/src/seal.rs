@@ -14,6 +14,9 @@ use crate::files::file_error;
 const NAME: &[u8; 8] = b"stsolve\n";
 const LENGTH: usize = 24;
 
+/// The first bytes of an HDF5 file.
+const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
+
 /// Bytes read at once, whole words.
 const BLOCK: u64 = 1 << 16;
 
@@ -45,8 +48,19 @@ pub(crate) fn verify(path: &Path) -> Result<(), OutputError> {
         Some((expected, found)) if found == expected => Ok(()),
         Some((_, found)) if found.starts_with(NAME) => Err(damaged("its contents do not match its checksum")),
         _ if is_whole_hdf5(path) => Err(OutputError::NotSealed { path: path.to_owned() }),
-        _ => Err(damaged("its end is missing, or it is no HDF5 file")),
+        _ if begins_otherwise(path) => Err(OutputError::NotHdf5 { path: path.to_owned() }),
+        _ => Err(damaged("its end is missing")),
     }
+}
+
+/// Whether a file begins otherwise than an HDF5 file.
+fn begins_otherwise(path: &Path) -> bool {
+    let head = || -> io::Result<Vec<u8>> {
+        let mut head = Vec::new();
+        File::open(path)?.take(SIGNATURE.len() as u64).read_to_end(&mut head)?;
+        Ok(head)
+    };
+    head().is_ok_and(|head| !SIGNATURE.starts_with(&head))
 }
 
 /// Whether a file ends where its HDF5 superblock, of version 2 or 3, says: nothing is missing, and no seal follows. libhdf5 may crash on
@@ -57,7 +71,7 @@ fn is_whole_hdf5(path: &Path) -> bool {
         let (mut file, mut head, mut end) = (File::open(path)?, [0; 28], [0; 8]);
         file.read_exact(&mut head)?;
         file.read_exact(&mut end)?;
-        let is_known = head.starts_with(b"\x89HDF\r\n\x1a\n") && matches!(head[8], 2 | 3) && head[9] == 8;
+        let is_known = head.starts_with(SIGNATURE) && matches!(head[8], 2 | 3) && head[9] == 8;
         Ok(is_known && u64::from_le_bytes(end) == file.metadata()?.len())
     };
     agrees().unwrap_or(false)
@@ -110,8 +124,20 @@ mod tests {
                 fs::write(&path, damaged).unwrap();
                 assert!(matches!(verify(&path), Err(OutputError::Damaged { .. })), "byte {position} of {length}");
                 fs::write(&path, &whole[..position]).unwrap();
-                assert!(matches!(verify(&path), Err(OutputError::Damaged { .. })), "cut at {position} of {length}");
+                let refused = matches!(verify(&path), Err(OutputError::Damaged { .. } | OutputError::NotHdf5 { .. }));
+                assert!(refused, "cut at {position} of {length}");
             }
+        }
+    }
+
+    /// Other files were told to be damaged.
+    #[test]
+    fn a_file_that_begins_otherwise_is_no_hdf5_file() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("case.toml");
+        for (text, is_other) in [(&b"[mesh]"[..], true), (&b"\x89HDF\r"[..], false), (&b""[..], false)] {
+            fs::write(&path, text).unwrap();
+            assert_eq!(matches!(verify(&path), Err(OutputError::NotHdf5 { .. })), is_other, "{text:?}");
         }
     }
 

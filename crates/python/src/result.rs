@@ -129,7 +129,7 @@ impl Result {
     #[pyo3(signature = (wall, step=-1))]
     fn surface<'py>(&self, py: Python<'py>, wall: &str, step: isize) -> PyResult<Bound<'py, PyDict>> {
         let series = py.detach(|| self.series_of(wall))?;
-        let number = chosen(step, series.times.len())?;
+        let number = chosen("distribution", step, series.times.len())?;
         let values = &series.values[number * series.array.len()..][..series.array.len()];
         let names = surface_columns(self.reader.layout.grid.dimension)
             .iter()

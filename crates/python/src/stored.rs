@@ -19,13 +19,13 @@ pub fn broken(error: OutputError) -> PyErr {
     SolveError::new_err(message(&error))
 }
 
-/// The number of one of `count` steps, which may be counted from the end.
-pub fn chosen(step: isize, count: usize) -> PyResult<usize> {
+/// The number of one of `count` steps or other things, called `what`, which may be counted from the end.
+pub fn chosen(what: &str, step: isize, count: usize) -> PyResult<usize> {
     let number = if step < 0 { step + count as isize } else { step };
     usize::try_from(number)
         .ok()
         .filter(|number| *number < count)
-        .ok_or_else(|| PyIndexError::new_err(format!("there is no step {step}: the result has {count}")))
+        .ok_or_else(|| PyIndexError::new_err(format!("there is no {what} {step}: the result has {count}")))
 }
 
 /// The lengths of the axes of an array.
@@ -47,7 +47,7 @@ pub fn coefficients(py: Python<'_>, reader: &ResultReader, name: &str, step: isi
 
 fn read(reader: &ResultReader, name: &str, step: isize) -> PyResult<Vec<f64>> {
     spec(reader, name)?;
-    let number = chosen(step, reader.times.len())?;
+    let number = chosen("step", step, reader.times.len())?;
     Ok(reader.exact(name, number).map_err(broken)?.unwrap_or_default())
 }
 

@@ -36,12 +36,16 @@ impl From<Box<CaseError>> for Failure {
 
 impl From<output::OutputError> for Failure {
     fn from(error: output::OutputError) -> Self {
-        use output::OutputError::{Busy, Damaged, Directory, NoCheckpoint, NoResult, NotSealed, OtherCase, Version};
+        use output::OutputError::{
+            Busy, Damaged, Directory, NoCheckpoint, NoDirectory, NoResult, NotHdf5, NotSealed, OtherCase, Version,
+        };
         match error {
             Directory { .. }
             | Busy { .. }
             | NoCheckpoint { .. }
             | NoResult { .. }
+            | NoDirectory { .. }
+            | NotHdf5 { .. }
             | Damaged { .. }
             | NotSealed { .. }
             | OtherCase { .. }

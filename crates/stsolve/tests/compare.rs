@@ -37,6 +37,7 @@ fn a_directory_without_a_run_is_refused() {
     let directory = TempDir::new().unwrap();
     let outcome = stsolve(directory.path(), &["compare", ".", "."]);
     outcome.expect(2, &["result.vtkhdf", "name the directory of such a run"]);
+    stsolve(directory.path(), &["compare", "absent", "."]).expect(2, &["`absent` is no directory"]);
     assert!(!outcome.stderr.contains("resum"), "{}", outcome.stderr);
 }
 

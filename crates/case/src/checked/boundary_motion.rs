@@ -109,7 +109,35 @@ impl<'a, const D: usize> Boundaries<'a, D> {
         }
         let arc = arc.unwrap_or_default();
         let with_arc = |(node, normal)| (node, (normal, arc.get(&node).copied().unwrap_or(0.0)));
-        Ok(NormalMotion { amount, nodes: Arc::new(normals.into_iter().map(with_arc).collect()) })
+        let motion = NormalMotion { amount, nodes: Arc::new(normals.into_iter().map(with_arc).collect()) };
+        self.check_ends_of_curve(boundary, key, &motion)?;
+        Ok(motion)
+    }
+
+    /// Checks that a closed curve, which begins and ends at one node, is displaced alike at s = 0 and s = 1.
+    fn check_ends_of_curve(&self, boundary: usize, key: &Key, motion: &NormalMotion<D>) -> Checked<()> {
+        if !motion.amount.contains(Variable::Coordinate(D)) {
+            return Ok(());
+        }
+        let tolerance = 1e-9 * self.mesh.diameter();
+        let begins = |node: &usize| motion.nodes.get(node).is_some_and(|(_, s)| *s == 0.0);
+        let ends: Vec<_> =
+            nodes_on(self.mesh, self.numbering(), boundary).filter(|(node, _)| begins(node)).map(|(_, x)| x).collect();
+        for t in self.time.check_times() {
+            for x in &ends {
+                let [first, last] = [0.0, 1.0].map(|s| motion.amount_at(x, s, t));
+                if (first - last).abs() > tolerance {
+                    let constants = self.checker.constants_in_words();
+                    let problem = format!(
+                        "the curve begins and ends at {x:?}, but s = 0 moves by {first:.6} and s = 1 by {last:.6} until t = {t}{constants}"
+                    );
+                    let accepted =
+                        "a formula with the same value at both ends, such as a whole number of waves, sin(2*pi*n*s)";
+                    return Err(self.checker.combination(key, &problem, accepted));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Checks that the boundary starts at rest: its displacement at the start is zero up to round-off of the size of

@@ -126,6 +126,10 @@ fn a_reynolds_number_gives_the_viscosity() {
     assert_eq!(gas.dynamic_viscosity(1.0), 0.0);
     let message = check_text(BASE, &["flow.gas.viscosity={ reynolds = 0 }"]).unwrap_err().to_string();
     assert!(message.contains("the Reynolds number is out of range"), "{message}");
-    let message = check_text(BASE, &[reynolds, "flow.initial.uniform.velocity=[0,0]"]).unwrap_err().to_string();
-    assert!(message.contains("reference = { density, speed, pressure }"), "{message}");
+    let rest = ["initial.uniform", "boundary.others.far_field"].map(|state| format!("flow.{state}.velocity=[0,0]"));
+    for options in [&[&rest[0][..], &rest[1]][..], &[reynolds, &rest[0], &rest[1]]] {
+        let message = check_text(BASE, options).unwrap_err().to_string();
+        let parts = ["`flow.reference`", "cannot be told", "reference = { density, speed, pressure }", "typical"];
+        parts.iter().for_each(|part| assert!(message.contains(part), "{message}"));
+    }
 }

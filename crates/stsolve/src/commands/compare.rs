@@ -3,7 +3,7 @@
 use super::print;
 use super::table::{Table, apart};
 use case::Difference;
-use output::{HISTORY_FILE, HistoryTable, RESULT_FILE, ResultReader, SUMMARY_FILE};
+use output::{HISTORY_FILE, HistoryTable, OutputError, RESULT_FILE, ResultReader, SUMMARY_FILE};
 use serde_json::{Map, Value, json};
 use simulation::Failure;
 use std::path::{Path, PathBuf};
@@ -63,6 +63,9 @@ struct Run {
 
 impl Run {
     fn read(directory: &Path) -> Result<Self, Failure> {
+        if !directory.is_dir() {
+            return Err(OutputError::NoDirectory { path: directory.to_owned() }.into());
+        }
         let case = ResultReader::open(&directory.join(RESULT_FILE))?.metadata.case_text;
         let summary = std::fs::read_to_string(directory.join(SUMMARY_FILE)).unwrap_or_default();
         let mut numbers = Vec::new();

@@ -29,6 +29,13 @@ pub(super) fn moves_mesh<const D: usize>(case: &Case<D>, probe: Probe) -> bool {
     chosen(probe, work <= CHEAP_MOTION && (D == 2 || displacements <= CHEAP_MESH_IN_SPACE))
 }
 
+/// What stands for the table of a mesh that is too costly to be moved for the check.
+pub(super) fn mesh_not_moved<const D: usize>(case: &Case<D>, probe: Probe) -> Option<Table> {
+    let mut table = Table::new("mesh over the run");
+    table.row("not computed", "that takes more than some seconds: `--probe always`", "");
+    (case.motion.is_some() && probe == Probe::Auto).then_some(table)
+}
+
 /// Whether a flow with this number of unknowns is timed.
 pub(super) fn times_flow<const D: usize>(unknowns: usize, probe: Probe) -> bool {
     chosen(probe, unknowns <= CHEAP_FLOW[D - 2])

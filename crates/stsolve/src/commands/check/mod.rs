@@ -155,7 +155,7 @@ where
     Case<D>: Preflight<D>,
 {
     if !measured::moves_mesh(case, probe) {
-        return None;
+        return measured::mesh_not_moved(case, probe);
     }
     let over_run = match case.move_over_run() {
         Ok(over_run) => over_run?,
