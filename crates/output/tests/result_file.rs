@@ -319,7 +319,7 @@ fn a_file_of_another_kind_is_reported_even_with_a_seal() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join(RESULT_FILE);
     fs::write(&path, "# a text, long enough to hold a seal at its end\n").unwrap();
-    assert!(matches!(read_checkpoint(&path), Err(OutputError::Damaged { .. })));
+    assert!(matches!(read_checkpoint(&path), Err(OutputError::NotHdf5 { .. })));
     seal(&path);
     assert!(matches!(read_checkpoint(&path), Err(OutputError::Damaged { .. })));
     hdf5::File::create(&path).unwrap().close().unwrap();

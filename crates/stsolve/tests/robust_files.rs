@@ -86,10 +86,10 @@ fn slabs_told(run: &Path) -> usize {
     columns.len() - 1
 }
 
-/// Resumes the run if possible, or else starts it anew.
+/// Resumes the run if possible, or else starts it anew in the place of what it has left.
 fn go_on(directory: &Path) -> Child {
     let resume = directory.join("run/result.vtkhdf").exists();
-    start(directory, if resume { &["--resume"] } else { &[] })
+    start(directory, &[if resume { "--resume" } else { "--force" }])
 }
 
 /// Continues to the end. The bits must equal those of the undisturbed run, and no working files may be left.

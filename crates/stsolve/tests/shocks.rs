@@ -46,6 +46,28 @@ fn sods_shock_tube_has_its_star_values_on_a_mesh_that_is_stirred() {
 
 const TOLERANCE: f64 = 3e-3;
 
+/// Toro's third test, with pressures of 1000 and 0.01: p* = 460.894 and u* = 19.5975.
+#[test]
+fn order_2_stands_pressures_that_are_1e5_apart() {
+    let directory = TempDir::new().unwrap();
+    let changes = [
+        "flow.order=2",
+        "flow.initial.expression.pressure=\"if(x < 0.5, 1000, 0.01)\"",
+        "flow.initial.expression.density=1",
+        "flow.reference={density=1, speed=20, pressure=1000}",
+        "motion.displacement=[0, 0]",
+        "mesh.generate.box={lower=[0, 0], upper=[1, 0.01], cells=[60, 1]}",
+        "time={order=2, end=0.012, slabs=200}",
+        "output.lines={}",
+        "output.probes.star={at=[0.603, 0.005], fields=[\"velocity\", \"pressure\"]}",
+    ];
+    finished(directory.path(), "sod", &changes);
+    let last = |name: &str| *column(&directory.path().join("sod"), name).last().unwrap();
+    for (name, exact) in [("star_velocity_x", 19.5975), ("star_pressure", 460.894)] {
+        assert!((last(name) / exact - 1.0).abs() < 0.015, "{name}: {} for {exact}", last(name));
+    }
+}
+
 /// The flow begins uniform, so many fills are equal up to rounding. An order of elimination from a Jacobian in single precision takes 25 Krylov
 /// iterations per Newton step instead of 15.
 #[test]

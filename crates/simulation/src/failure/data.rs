@@ -192,6 +192,8 @@ pub struct Gas {
     pub mach: f64,
     /// Whether artificial viscosity captures shocks.
     pub captures_shocks: bool,
+    /// N_s, nodes of the flow per direction and cell.
+    pub order: usize,
     /// Whether the inviscid volume terms are in split form.
     pub is_split: bool,
     /// The speed with which a boundary is set in motion at the start, over the speed of sound.

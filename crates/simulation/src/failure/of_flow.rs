@@ -187,6 +187,7 @@ where
             quadrature: [points, needed],
             mach: most(&|gas, _| gas.mach),
             captures_shocks: law.shock_capturing.is_some(),
+            order: self.flow.order,
             is_split: law.volume_flux.is_split(),
             openings: self.openings.iter().map(|record| self.opening(record)).collect(),
             kick: if self.case.motion.is_some() { gases.start.kick } else { 0.0 },

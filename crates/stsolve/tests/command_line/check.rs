@@ -52,6 +52,18 @@ fn check_tries_what_the_run_will_do() {
     assert_eq!(json["warnings"]["none"], "");
 }
 
+/// Nothing told that the mesh had not been moved.
+#[test]
+fn check_tells_that_it_did_not_move_the_mesh() {
+    for (probe, is_told) in [("auto", true), ("never", false)] {
+        let arguments = ["check", "--json", "--probe", probe, &shipped("turbine_blade.toml")];
+        let (_, stdout, _) = outcome(Path::new("."), &arguments);
+        let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+        let told = json["mesh over the run"]["not computed"].as_str();
+        assert_eq!(told.is_some_and(|told| told.contains("`--probe always`")), is_told, "{probe}");
+    }
+}
+
 #[test]
 fn check_tells_when_the_mesh_will_fail() {
     let case = shipped("airfoil_motion.toml");

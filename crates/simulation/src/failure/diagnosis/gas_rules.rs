@@ -15,9 +15,14 @@ pub fn near_vacuum(data: &FailureData) -> Option<Cause> {
     Some(Cause {
         name: "near_vacuum",
         likelihood: weight * likelihood(value),
-        what: format!("the gas is close to vacuum {when}: in cell {cell} the {quantity} is {} of its mean", number(value)),
-        remedy: "start from a state with less contrast: a higher smallest pressure and density, smoothed over two cells or more"
-            .into(),
+        what: format!(
+            "the gas is close to vacuum {when}: in cell {cell} the {quantity} is {} of its mean",
+            number(value)
+        ),
+        remedy: format!(
+            "start from a state with less contrast: a higher smallest pressure and density, smoothed over two cells or more{}",
+            low_order(gas)
+        ),
     })
 }
 
@@ -176,11 +181,16 @@ pub fn not_resolved(data: &FailureData) -> Option<Cause> {
 }
 
 /// The setting for a shock, for the end of a remedy.
-fn capture(gas: &Gas) -> &'static str {
+fn capture(gas: &Gas) -> String {
     match gas.captures_shocks {
-        true => "; a shock may need a larger `flow.shock_capturing.strength`",
-        false => "; a shock needs `flow.shock_capturing`",
+        true => format!("; a shock may need a larger `flow.shock_capturing.strength`{}", low_order(gas)),
+        false => "; a shock needs `flow.shock_capturing`".to_owned(),
     }
+}
+
+/// The order for the strongest shocks, for the end of a remedy: between pressures that are 1e5 apart, orders above 2 fail.
+fn low_order(gas: &Gas) -> &'static str {
+    if gas.captures_shocks && gas.order > 2 { "; `flow.order = 2` for a very strong shock" } else { "" }
 }
 
 fn change(quantity: &str, value: f64) -> String {

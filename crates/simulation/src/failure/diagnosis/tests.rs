@@ -34,6 +34,7 @@ fn nothing_suspicious() -> FailureData {
             quadrature: [6, 6],
             mach: 0.5,
             captures_shocks: false,
+            order: 4,
             is_split: false,
             kick: 0.0,
             start: FlowStart::OtherState,
@@ -298,6 +299,7 @@ fn a_transonic_flow_without_shock_capturing_is_told_to_capture_shocks() {
         let tells = |part: &str| causes.iter().any(|cause| cause.remedy.contains(part));
         assert_eq!(tells("`solver.steady = {}`"), !steady, "{causes:?}");
         assert_eq!(tells("needs `flow.shock_capturing`"), !captures, "{causes:?}");
+        assert_eq!(tells("`flow.order = 2` for a very strong shock"), captures, "{causes:?}");
         assert!(causes.iter().all(|cause| !cause.what.contains("down to 1")), "{causes:?}");
     }
 }
