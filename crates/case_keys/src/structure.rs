@@ -41,7 +41,7 @@ pub struct Structure {
     /// The motion at the start. Default: the body is at rest. A static analysis starts from the equilibrium at the start.
     #[serde(default)]
     pub initial: InitialMotion,
-    /// The number of natural modes to find, those of lowest frequency. Their frequencies go to summary.json, and the coordinate of the
+    /// The number of natural modes to find, those of lowest frequency, of the body without loads: stress does not change them. Their frequencies go to summary.json, and the coordinate of the
     /// motion in each of them to history.csv, as mode_1, mode_2, ...
     #[serde(default)]
     pub natural_modes: usize,

@@ -1,7 +1,7 @@
 //! What is doubtful about the rigid bodies of a case, known before a run.
 
 use super::bodies::{in_space, is_of_body, middle_and_area, mode, rate, wall_facets};
-use case::{Case, Flow, Freedom, RigidBody, SteadyBodies};
+use case::{Case, Flow, Freedom, RigidBody, SteadyBodies, Structure};
 use coupled::blocks::rigid_body::{Freedom as Direction, Vec3};
 use tensor::{dot, norm};
 
@@ -48,9 +48,16 @@ fn bulges<const D: usize>(body: &RigidBody<D>, nodes: &[[f64; D]]) -> bool {
     weight > 0.0 && body.freedoms.iter().any(|freedom| across(&freedom.direction))
 }
 
-/// The warning about the first coordinate of a body that is to find its equilibrium though no spring or stop holds it.
+/// The warning about what is to find its equilibrium though nothing holds it: an axis of the structure without a support, or the first
+/// coordinate of a body without a spring or stop.
 pub fn unheld_in_equilibrium<const D: usize>(case: &Case<D>) -> Option<String> {
     case.solver.steady.as_ref().filter(|steady| steady.bodies == SteadyBodies::Equilibrium)?;
+    if let Some(axis) = case.structure.as_ref().and_then(unheld_axis) {
+        return Some(format!(
+            "no support holds the structure along {axis}: the flow carries it away, and there is no equilibrium; \"fixed\" or `{{ held = [\"{axis}\"] }}` \
+             for one of its boundaries in `structure.boundary`, or `solver.steady.bodies = \"held\"`"
+        ));
+    }
     let is_unheld = |freedom: &&Freedom| {
         freedom.motion.is_none() && freedom.spring == 0.0 && freedom.cubic_spring == 0.0 && freedom.stops.is_none()
     };
@@ -60,4 +67,10 @@ pub fn unheld_in_equilibrium<const D: usize>(case: &Case<D>) -> Option<String> {
         "no spring holds `bodies.{body}.{freedom}`: unless the flow does, there is no equilibrium, and the body leaves its mesh; give it a \
          `spring`, or take `solver.steady.bodies = \"held\"`"
     ))
+}
+
+/// The first axis along which no boundary of `structure` is held.
+fn unheld_axis<const D: usize>(structure: &Structure<D>) -> Option<&'static str> {
+    let is_held = |axis: usize| structure.boundary.iter().any(|support| support.fixes()[axis]);
+    ["x", "y", "z"].into_iter().take(D).enumerate().find(|(axis, _)| !is_held(*axis)).map(|(_, name)| name)
 }

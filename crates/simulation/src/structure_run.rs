@@ -32,10 +32,23 @@ pub fn run_structure<const D: usize, const M: usize>(
 ) -> Result<Summary, Failure> {
     history::require_distinct_columns(case)?;
     let call = Call { destination, observer, begun: Instant::now(), origin: None };
-    let march = build::structure_march(case, structure).map_err(Failure::bad_input)?;
+    let march = build::structure_march(case, structure).map_err(without_march)?;
     let mesh = Arc::new(MeshView::new(&case.mesh, march.structure().numbering()));
     let observed = Observed::new(structure, &march).map_err(Failure::bad_input)?;
     drive::<D, M, _>(case, StructureRun { case, structure, march, observed }, &mesh, call)
+}
+
+/// The failure of a structure that has no march: an equilibrium at the start that was not found, or a bad input.
+fn without_march(error: ElasticityError) -> Failure {
+    let advice = match error {
+        ElasticityError::LargeDisplacement { .. } => {
+            "loads that grow from zero, for instance times t, find it in steps; a soft material or another unit of its modulus may have none"
+        }
+        ElasticityError::Solver(_) => "a Poisson's ratio above 0.49 or too few supports may be the cause",
+        _ => return Failure::bad_input(error),
+    };
+    let words = format!("the equilibrium with the loads at the start was not found: {advice}");
+    Failure::solve(anyhow::Error::new(error).context(words))
 }
 
 struct StructureRun<'a, const D: usize> {

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{assert_same_bits, column, finished, number, on_case, shipped, stsolve, summary};
+use common::{assert_same_bits, column, finished, number, on_case, on_text, shipped, stsolve, summary};
 use tempfile::TempDir;
 
 /// Frequency of samples q_k of a vibration, `step` apart: the best fit of q_{k-1} + q_{k+1} = 2 cos(2 pi f dt) q_k.
@@ -387,4 +387,23 @@ fn neo_hookean_bodies_have_small_strains_too() {
         let (found, linear) = (pulled(young, traction), 0.91 * traction / young);
         assert!((found / linear - 1.0).abs() < tolerance, "{traction:e}: {found:e} for {linear:e}");
     }
+}
+
+/// It was told as bad input, with the advice to take shorter slabs.
+#[test]
+fn a_static_load_that_has_no_equilibrium_is_a_failed_solve() {
+    let directory = TempDir::new().unwrap();
+    let text = "mesh = { order = 3, generate.box = { lower = [0, 0], upper = [1, 0.1], cells = [6, 1] } }
+                time = { order = 1, end = 1, slabs = 1 }
+                [structure]
+                analysis = \"static\"
+                law = \"st_venant_kirchhoff\"
+                young_modulus = 2e5
+                poisson_ratio = 0.3
+                [structure.boundary]
+                left = \"fixed\"
+                right = { traction = [0, -1e5] }
+                others = \"free\"";
+    let parts = ["the equilibrium with the loads at the start was not found", "grow from zero"];
+    on_text(directory.path(), text, &[], "run", &[]).expect(1, &parts);
 }

@@ -103,6 +103,11 @@ fn check_warns_of_doubtful_bodies() {
     let released = "solver.steady={bodies=\"equilibrium\"}";
     assert!(warns(cylinder, &[released, "bodies.cylinder.x={}"], "equilibrium"));
     assert!(!warns(cylinder, &[released], "equilibrium"));
+    for (left, is_unheld) in [("free", true), ("fixed", false)] {
+        let left = format!("structure.boundary.left=\"{left}\"");
+        assert_eq!(warns("elastic_piston.toml", &[released, "structure.initial={}", &left], "equilibrium"), is_unheld);
+    }
+    assert!(warns("cantilever.toml", &["structure.poisson_ratio=0.4999"], "Poisson's ratio"));
     // These walls move along themselves.
     let beside = ["mesh.generate.box.periodic=[]", "flow.boundary.others=\"slip_wall\""];
     assert!(!warns("piston_free.toml", &beside, subject));

@@ -66,7 +66,7 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
             [quadrature(facts, flow), layer(facts, flow), free_flow(facts, flow), mach(flow), lines(facts, flow)];
         of_boundaries.into_iter().chain(of_start).chain(of_resolution)
     });
-    let of_all = [slab_length(facts), file_size(facts), poor_cells(facts)];
+    let of_all = [slab_length(facts), file_size(facts), poor_cells(facts), incompressible(facts)];
     of_all.into_iter().chain(of_flow.into_iter().flatten()).flatten().collect()
 }
 
@@ -206,6 +206,22 @@ fn mach<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
         }
         _ => None,
     }
+}
+
+/// Poisson's ratio from which a material is nearly incompressible.
+const INCOMPRESSIBLE: f64 = 0.49;
+
+/// Nearly incompressible structures lock at low orders. At 0.49999 a beam of order 3 bends by 14 % too little.
+fn incompressible<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
+    let ratio = facts.case.structure.as_ref()?.largest.poisson_ratio;
+    if ratio <= INCOMPRESSIBLE {
+        return None;
+    }
+    let text = format!(
+        "`structure.poisson_ratio` of {ratio} is nearly that of an incompressible material: low orders are too stiff, and Newton's method may \
+         fail; {INCOMPRESSIBLE} or less, or a mesh of order 6 or more"
+    );
+    warning("Poisson's ratio", text)
 }
 
 fn file_size<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
