@@ -31,7 +31,7 @@ impl Checkpoint {
         Checkpoint { state, in_file, path }
     }
 
-    /// The number of values of an array; None if there is none of this name.
+    /// The number of values of an array; `None` if the checkpoint has no such array.
     pub fn len_of(&self, name: &str) -> Option<usize> {
         let in_memory = self.state.arrays.get(name).map(|values| values.len());
         in_memory.or_else(|| self.in_file.get(name).map(|array| array.size()))

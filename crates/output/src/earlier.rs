@@ -68,7 +68,7 @@ fn is_there(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok()
 }
 
-/// The summary of a run in `directory`; null if there is none, or it cannot be read.
+/// The summary of a run in `directory`. It is null if the file is missing, cannot be read, or is of another program.
 fn summary(directory: &Path) -> Value {
     let text = fs::read_to_string(directory.join(SUMMARY_FILE)).unwrap_or_default();
     serde_json::from_str(&text).ok().filter(is_of_run).unwrap_or_default()

@@ -33,7 +33,7 @@ pub enum OutputError {
         /// The missing result file.
         path: PathBuf,
     },
-    /// What should be the directory of a run is none.
+    /// The path of a run is not a directory.
     #[error("`{path}` is no directory; name the directory of a run")]
     NoDirectory {
         /// What was named.

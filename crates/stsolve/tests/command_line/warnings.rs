@@ -9,54 +9,53 @@ const FAST: &str = "flow.boundary.far={far_field={velocity=[1,0],mach=0.9}}";
 const SLOW: &str = "flow.boundary.far={far_field={velocity=[1,0],mach=0.05}}";
 const TURNED: &str = "flow.boundary.far={far_field={velocity=[1,0.1],mach=0.2}}";
 const HOT: &str = "flow.boundary.airfoil={isothermal_wall={temperature=300}}";
+const THIN: &str = "flow.gas.viscosity.constant=1e-7";
+
+/// Settings of the airfoil, the subject of the only warning, and a part of its remedy.
+const DOUBTFUL: &[(&[&str], &str, &str)] = &[
+    (&["time.step=0.5", "time.order=1"], "slab length", "`time.step` of"),
+    (&["mesh.generate.airfoil.far_field=5"], "far field", "`far_field`"),
+    (&["mesh.generate.airfoil={first_cell=0.2}"], "first cell", "`first_cell`"),
+    (&["flow.quadrature={points=5}"], "quadrature", "\"conserving\""),
+    (&["motion.boundary.airfoil.displacement=[0, \"t\"]"], "start of the motion", "at_rest"),
+    (&["motion={displacement=[0, \"0.5*t\"]}"], "start of the motion", "with a speed of 5.00e-1"),
+    (
+        &["flow.gas={viscosity={sutherland={viscosity=2e-2,temperature=288.15,constant=110.4}}}"],
+        "Sutherland's law",
+        "`flow.gas.gas_constant`",
+    ),
+    // This one starts from rest, although it is fast within the first slab.
+    (&["motion.boundary.airfoil.displacement=[0, \"0.1*sin(pi*t)^2\"]"], "none", ""),
+    (&["motion.boundary.airfoil.displacement=[0, \"3*t^2\"]"], "speed of walls", "`shock_capturing = {}`"),
+    (&["flow.gas.gamma=14"], "ratio of specific heats", "1.4 for air"),
+    (&["flow.initial.uniform.mach=0.9", FAST], "Mach number", "`shock_capturing = {}`"),
+    (&["flow.initial.uniform.mach=0.05", SLOW, "flow.riemann=\"lax_friedrichs\""], "Mach number", "\"roe\""),
+    (
+        &["flow.initial.uniform={velocity=[3.6,0],mach=0.72}"],
+        "free stream",
+        "the far field `far` has density 1, velocity [1.0, 0.0]",
+    ),
+    (&[TURNED, "flow.initial.uniform.velocity=[1,0.1]"], "drag", "`flow.forces.airfoil.drag_direction = [1.0, 0.1]`"),
+    (&[HOT], "wall temperature", "`flow.gas.gas_constant`"),
+    (&[THIN], "turbulence", "lower Reynolds number"),
+    (&["solver={newton_tolerance=1e-5}"], "start of the flow", "`[solver.steady]`"),
+    (&["flow.gas.viscosity=\"inviscid\""], "viscosity", "slip_wall"),
+    (&["flow.boundary.airfoil=\"symmetry\"", "flow.forces={}"], "none", ""),
+    (
+        &["flow.boundary.airfoil={far_field={velocity=[1,0],mach=0.2}}", "flow.forces={}"],
+        "moving boundary",
+        "flow.boundary.airfoil",
+    ),
+    (&["flow.exact={uniform={velocity=[1,0],mach=0.2}}"], "exact solution", "`flow.initial`"),
+    (&["flow.rotation={rate=0.5}"], "rotating frame", "`prescribed_state = { expression"),
+    (&["solver.preconditioner=\"lines\""], "preconditioner", "\"blocks\""),
+    (&["output.every=1", "flow.order=16", "time.step=0.001"], "result file", "`output.every`"),
+];
 
 #[test]
 fn check_warns_of_doubtful_choices_and_names_the_remedy() {
     let airfoil = shipped("naca0012_heave.toml");
-    let viscosity = "flow.gas.viscosity.constant=1e-7";
-    for (settings, subject, remedy) in [
-        (&["time.step=0.5", "time.order=1"][..], "slab length", "`time.step` of"),
-        (&["mesh.generate.airfoil.far_field=5"], "far field", "`far_field`"),
-        (&["mesh.generate.airfoil={first_cell=0.2}"], "first cell", "`first_cell`"),
-        (&["flow.quadrature={points=5}"], "quadrature", "\"conserving\""),
-        (&["motion.boundary.airfoil.displacement=[0, \"t\"]"], "start of the motion", "at_rest"),
-        (&["motion={displacement=[0, \"0.5*t\"]}"], "start of the motion", "with a speed of 5.00e-1"),
-        (
-            &["flow.gas={viscosity={sutherland={viscosity=2e-2,temperature=288.15,constant=110.4}}}"],
-            "Sutherland's law",
-            "`flow.gas.gas_constant`",
-        ),
-        // This one starts from rest, although it is fast within the first slab.
-        (&["motion.boundary.airfoil.displacement=[0, \"0.1*sin(pi*t)^2\"]"], "none", ""),
-        (&["motion.boundary.airfoil.displacement=[0, \"3*t^2\"]"], "speed of walls", "`shock_capturing = {}`"),
-        (&["flow.gas.gamma=14"], "ratio of specific heats", "1.4 for air"),
-        (&["flow.initial.uniform.mach=0.9", FAST], "Mach number", "`shock_capturing = {}`"),
-        (&["flow.initial.uniform.mach=0.05", SLOW, "flow.riemann=\"lax_friedrichs\""], "Mach number", "\"roe\""),
-        (
-            &["flow.initial.uniform={velocity=[3.6,0],mach=0.72}"],
-            "free stream",
-            "the far field `far` has density 1, velocity [1.0, 0.0]",
-        ),
-        (
-            &[TURNED, "flow.initial.uniform.velocity=[1,0.1]"],
-            "drag",
-            "`flow.forces.airfoil.drag_direction = [1.0, 0.1]`",
-        ),
-        (&[HOT], "wall temperature", "`flow.gas.gas_constant`"),
-        (&[viscosity], "turbulence", "lower Reynolds number"),
-        (&["solver={newton_tolerance=1e-5}"], "start of the flow", "`[solver.steady]`"),
-        (&["flow.gas.viscosity=\"inviscid\""], "viscosity", "slip_wall"),
-        (&["flow.boundary.airfoil=\"symmetry\"", "flow.forces={}"], "none", ""),
-        (
-            &["flow.boundary.airfoil={far_field={velocity=[1,0],mach=0.2}}", "flow.forces={}"],
-            "moving boundary",
-            "flow.boundary.airfoil",
-        ),
-        (&["flow.exact={uniform={velocity=[1,0],mach=0.2}}"], "exact solution", "`flow.initial`"),
-        (&["flow.rotation={rate=0.5}"], "rotating frame", "`prescribed_state = { expression"),
-        (&["solver.preconditioner=\"lines\""], "preconditioner", "\"blocks\""),
-        (&["output.every=1", "flow.order=16", "time.step=0.001"], "result file", "`output.every`"),
-    ] {
+    for &(settings, subject, remedy) in DOUBTFUL {
         let set = settings.iter().flat_map(|setting| ["--set", setting]);
         let arguments: Vec<&str> = ["check", "--json", "--probe", "never", &airfoil].into_iter().chain(set).collect();
         let (code, stdout, stderr) = outcome(Path::new("."), &arguments);

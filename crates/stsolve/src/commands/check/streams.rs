@@ -28,11 +28,9 @@ pub(super) fn rotating_frame<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D
     if !matches!(flow.law.source, Source::Rotating(_)) {
         return None;
     }
-    let mut boundaries = flow.boundary.iter().zip(facts.case.mesh.boundary_names());
-    let far = boundaries.find(|(data, _)| matches!(data.condition, Boundary::FarField(_)));
-    let (key, remedy) = match (&flow.exact, far) {
+    let (key, remedy) = match (&flow.exact, far_fields(facts, flow).next()) {
         (Some(State::Uniform(_)), _) => ("flow.exact".to_owned(), "exact"),
-        (_, Some((_, name))) => (format!("flow.boundary.{name}.far_field"), "prescribed_state"),
+        (_, Some((name, _))) => (format!("flow.boundary.{name}.far_field"), "prescribed_state"),
         _ => return None,
     };
     let text = format!(
