@@ -41,9 +41,10 @@ pub struct Adaptive {
     pub largest: Option<f64>,
 }
 
-/// A run that starts from the result of another one, with the same mesh at rest and the same gas. The orders of the flow and in time,
+/// A run that starts from the result of another one, with the same mesh at rest and the same gas unless `allow` names
+/// them. The orders of the flow and in time,
 /// slabs and solver may differ. Flow, mesh and its motion, time, sums and history are carried over; mass, momentum and energy are
-/// kept. Another mesh is an error; another gas and a motion that jumps are errors unless `allow` names them. Sources, boundary conditions,
+/// kept. Another mesh, another gas and a motion that jumps are errors unless `allow` names them. Sources, boundary conditions,
 /// the rotation of the frame, masses and springs of bodies and the material of a structure may change: the run goes on with the new ones.
 /// Only a flow can start so, with or without a structure beside it: a structure or a mesh alone cannot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -69,6 +70,10 @@ pub enum AllowedChange {
     Mach,
     /// The motion of the mesh, even if its boundary jumps. It makes its way in the first slab, which `time.adaptive` does not shorten.
     Motion,
+    /// The mesh and its order: a finer one for a flow that has developed on a coarse one, for instance. The flow is interpolated at the new
+    /// nodes; where the other mesh does not reach, it is that of the nearest place. Neither mesh may have moved by then, and there may be no
+    /// structure. Boundaries have the same names in the same order. Averages and distributions begin anew, and so do the balances of mass and energy.
+    Mesh,
 }
 
 /// The output.

@@ -35,7 +35,7 @@ pub struct Structure {
     /// The force per volume, a formula per axis in the position x, y, z at rest and the time t. Default: no force.
     pub body_force: Option<Vec<Formula>>,
     /// The support or load of each boundary, by name; `others` stands for all that are not named. The walls between the body and the flow
-    /// are named after the region of the flow. They have no support, and need no entry; `others` does not stand for them.
+    /// are named after the region of the flow, or after a named line of the mesh there. They have no support, and need no entry; `others` does not stand for them.
     #[serde(default)]
     pub boundary: BTreeMap<String, StructureBoundary>,
     /// The motion at the start. Default: the body is at rest. A static analysis starts from the equilibrium at the start.

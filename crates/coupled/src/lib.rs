@@ -62,7 +62,7 @@ pub use start_layer::{EasedStart, StartLayer};
 pub use state::{Interval, Past, State};
 pub use steady::{
     Discretisation, Discretised, Equilibrium, Invariants, NoEquilibrium, Reliability, Search, Settling, Stability,
-    Stage, SteadyError, SteadyFlow, find_equilibrium, solve_steady,
+    Stage, SteadyError, SteadyFlow, find_equilibrium,
 };
 pub use structure_march::{Equations, Reactions, StructureAlone, StructureMarch, StructureReport, Supports};
 pub use system::{ResidualBreakdown, System, krylov_precision};

@@ -39,6 +39,9 @@ pub enum SlabError {
     /// The solution has a negative density or pressure at the end of the slab. The equations constrain the interior of the slab only.
     #[error("the equations have a solution that is not admissible at the top of the slab")]
     Top(#[source] Inadmissible),
+    /// The caller wants no more steps.
+    #[error("stopped")]
+    Stopped,
     /// Newton failed.
     #[error("the equations of flow and mesh are not solved{}", largest_in(residual_breakdown.as_deref()))]
     Newton {

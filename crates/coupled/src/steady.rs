@@ -39,21 +39,21 @@ const LOOSE: f64 = 0.1;
 /// Replaces `u` by the steady flow of the data at `time`, found from `u` by pseudo-time on the mesh of `problem` displaced by `d`.
 /// `problem` has one node in time and a mesh that stands still; 1/dtau of the settings is per time, not per `time_unit`. Tolerance and 1/dtau are those
 /// for the residual of the state `initial`: a better `u` begins with longer steps in pseudo-time. The report is that of a slab of length
-/// zero at `time`, the start of a run.
+/// zero at `time`, the start of a run. It ends before a step if `is_stopped`.
 ///
 /// # Errors
-/// [`SlabError::Guess`] if `u` or `initial` is not admissible; `u` is then unchanged. [`SlabError::Newton`] if there is no convergence; `u`
-/// is then where [`newton::solve`] has ended.
+/// [`SlabError::Guess`] if `u` or `initial` is not admissible; `u` is then unchanged. [`SlabError::Stopped`]. [`SlabError::Newton`] if there is no convergence; `u`
+/// is then where [`newton::solve_until`] has ended.
 ///
 /// # Panics
 /// If `problem` has more than one node in time or solves for its mesh.
-pub fn solve_steady<const D: usize, const M: usize>(
+fn solve_steady<const D: usize, const M: usize>(
     problem: &mut System<D, M>,
     u: &mut [f64],
     d: &[f64],
     initial: &[f64],
     (time, time_unit): (f64, f64),
-    settings: &newton::Settings,
+    (settings, is_stopped): (&newton::Settings, &dyn Fn() -> bool),
 ) -> Result<SlabReport<M>, SlabError> {
     assert!(
         problem.flow.operator.layout.time_order == 1 && problem.mesh_len() == 0,
@@ -70,11 +70,15 @@ pub fn solve_steady<const D: usize, const M: usize>(
     let forcing = forcing::Settings { damped_minimum: LOOSE, ..settings.forcing };
     let settings = newton::Settings { absolute_tolerance, pseudo_time, krylov, forcing, ..*settings };
     let mut z = u.to_vec();
-    let solved = newton::solve(problem, &mut z, Some(&references), &settings, &mut Workspace::default());
+    let how = (&settings, is_stopped);
+    let solved = newton::solve_until(problem, &mut z, Some(&references), how, &mut Workspace::default());
     u.copy_from_slice(&z);
-    let newton = solved.map_err(|source| {
-        let residual_breakdown = problem.residual_breakdown(&z).map(Box::new);
-        SlabError::Newton { residual_breakdown, source: Box::new(source) }
+    let newton = solved.map_err(|source| match source {
+        newton::Error::Stopped { .. } => SlabError::Stopped,
+        source => {
+            let residual_breakdown = problem.residual_breakdown(&z).map(Box::new);
+            SlabError::Newton { residual_breakdown, source: Box::new(source) }
+        }
     })?;
     // The tolerance refers to the initial state, not to the guess.
     let residual_norms = [references[0], newton.final_norm()];

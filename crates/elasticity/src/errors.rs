@@ -108,11 +108,11 @@ pub enum ElasticityError {
     PlaneStress,
     /// Newton's method did not find the motion or the equilibrium of a structure.
     #[error(
-        "the large displacement of the structure was not found in the slab from t = {time}: take shorter slabs, or apply loads and \
+        "the large displacement of the structure was not found near t = {time}: take shorter slabs, or apply loads and \
          displacements in smaller steps"
     )]
     LargeDisplacement {
-        /// The bottom of the slab.
+        /// The bottom of the slab; without inertia the time node.
         time: f64,
         /// Why.
         source: Box<newton::Error>,

@@ -96,7 +96,7 @@ pub use equilibrium::{Accuracy, Guard, Work};
 pub use errors::{ElasticityError, Inversion};
 pub use law::Law;
 pub use loads::{BodyForce, Loads, Pressure, SurfacePoint, Traction};
-pub use material::{Lame, Material, Plane};
+pub use material::{Lame, Material, NEARLY_INCOMPRESSIBLE, Plane};
 pub use modal::{FluidLayer, ModalSolver, SlabSystems, nominal_length};
 pub use modes::{NaturalMode, natural_modes};
 pub use newton_krylov::cg::Report;

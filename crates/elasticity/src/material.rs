@@ -3,6 +3,9 @@
 use crate::{ElasticityError, Law};
 use tensor::Real;
 
+/// Poisson's ratio above which a material is nearly incompressible: low orders are too stiff, and Newton's method may fail.
+pub const NEARLY_INCOMPRESSIBLE: f64 = 0.49;
+
 /// The quantity that vanishes along the third axis of a body in two dimensions. In 3-D it is not used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Plane {

@@ -80,7 +80,7 @@ pub use facet::{
 pub use generate::{BoxMesh, Curving};
 pub use geometry::CellMap;
 pub use gmsh::{FilePosition, GmshError, ListedElement, MeshLists, Numbers, Shape, Simplices, Span, is_su2};
-pub use locate::locate_in_cell;
+pub use locate::{locate_in_cell, nearest_in_cell};
 pub use mesh::{Mesh, ORDERS};
 pub use numbering::NodeNumbering;
 pub use part::Part;

@@ -32,23 +32,30 @@ pub fn locate_in_cell<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D])
     if is_near { invert(order, nodes, x, TOLERANCE * extent) } else { None }
 }
 
+/// The reference point of a cell that is nearest to `x`, and the distance of its position, as [`locate_in_cell`] for points near the cell: Newton's
+/// method within the reference cell.
+pub fn nearest_in_cell<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D]) -> ([f64; D], f64) {
+    let (mut xi, mut best) = ([0.0; D], ([0.0; D], f64::INFINITY));
+    for _ in 0..MAX_STEPS {
+        let (difference, next) = step(order, nodes, x, &xi);
+        if norm(&difference) < best.1 {
+            best = (xi, norm(&difference));
+        }
+        xi = next.map(|xi| xi.clamp(-1.0, 1.0));
+    }
+    best
+}
+
 /// Solves x(xi) = `x` to the accuracy `tolerance` by Newton's method: xi := xi - J^{-1} (x(xi) - x).
 fn invert<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D], tolerance: f64) -> Option<[f64; D]> {
     let (mut xi, mut before) = ([0.0; D], [f64::NAN; D]);
     for _ in 0..MAX_STEPS {
-        let map = CellMap::at(order, &xi);
-        let (relative, jacobian) = (map.relative_positions(nodes)[0], map.jacobians(nodes)[0]);
-        let difference: [f64; D] = std::array::from_fn(|i| relative[i] - (x[i] - nodes[i]));
+        let (difference, next) = step(order, nodes, x, &xi);
         if norm(&difference) <= tolerance && xi.iter().all(|xi| xi.abs() <= 1.0 + TOLERANCE) {
             return Some(xi.map(|xi| xi.clamp(-1.0, 1.0)));
         }
-        let cofactor = cofactor(&jacobian);
-        let determinant = determinant(&jacobian, &cofactor);
-        // cofactor / det is J^{-T}. Far outside a cell its map is meaningless.
-        let next = std::array::from_fn(|a| {
-            let column = std::array::from_fn(|i| cofactor[i][a]);
-            (xi[a] - dot(&column, &difference) / determinant).clamp(-1.5, 1.5)
-        });
+        // Far outside a cell its map is meaningless.
+        let next = next.map(|xi| xi.clamp(-1.5, 1.5));
         // Outside of the cell steps end at the clamp, or go back and forth between two points, for ever.
         if next == xi || next == before {
             return None;
@@ -56,6 +63,21 @@ fn invert<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D], tolerance: 
         (before, xi) = (xi, next);
     }
     None
+}
+
+/// x(xi) - `x`, and a step of Newton's method from `xi`.
+fn step<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D], xi: &[f64; D]) -> ([f64; D], [f64; D]) {
+    let map = CellMap::at(order, xi);
+    let (relative, jacobian) = (map.relative_positions(nodes)[0], map.jacobians(nodes)[0]);
+    let difference: [f64; D] = std::array::from_fn(|i| relative[i] - (x[i] - nodes[i]));
+    let cofactor = cofactor(&jacobian);
+    let determinant = determinant(&jacobian, &cofactor);
+    // cofactor / det is J^{-T}.
+    let next = std::array::from_fn(|a| {
+        let column = std::array::from_fn(|i| cofactor[i][a]);
+        xi[a] - dot(&column, &difference) / determinant
+    });
+    (difference, next)
 }
 
 #[cfg(test)]

@@ -162,9 +162,27 @@ pub fn solve<P: NonlinearProblem + ?Sized>(
     settings: &Settings,
     workspace: &mut Workspace,
 ) -> Result<Report, Error> {
+    solve_until(problem, z, references, (settings, &|| false), workspace)
+}
+
+/// As [`solve`], but ends if `is_stopped` before a step. It must give the same answer on all ranks.
+///
+/// # Errors
+/// As [`solve`]; [`Error::Stopped`].
+///
+/// # Panics
+/// As [`solve`].
+pub fn solve_until<P: NonlinearProblem + ?Sized>(
+    problem: &mut P,
+    z: &mut [f64],
+    references: Option<&[f64]>,
+    (settings, is_stopped): (&Settings, &dyn Fn() -> bool),
+    workspace: &mut Workspace,
+) -> Result<Report, Error> {
     let mut driver = Driver::start(problem, z, references, settings, workspace)?;
     while !driver.has_converged() {
-        if let Err(error) = driver.step(z) {
+        let stepped = if is_stopped() { Err(driver.stopped()) } else { driver.step(z) };
+        if let Err(error) = stepped {
             driver.return_best(z);
             return Err(error);
         }

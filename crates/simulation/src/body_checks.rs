@@ -1,12 +1,17 @@
 //! What is doubtful about the rigid bodies of a case, known before a run.
 
-use super::bodies::{in_space, is_of_body, middle_and_area, mode, rate, wall_facets};
-use case::{Case, Flow, Freedom, RigidBody, SteadyBodies, Structure};
+use super::bodies::{beside_flow, in_space, is_of_body, middle_and_area, mode, rate, wall_facets};
+use case::{Case, Flow, Freedom, RigidBody, SteadyBodies, Structure, StructureLaw};
+use coupled::block::BodyState;
 use coupled::blocks::rigid_body::{Freedom as Direction, Vec3};
+use coupled::rounded_time;
 use tensor::{dot, norm};
 
 /// A wall that follows a body by more than this part of its motion, across the wall, changes its shape.
 const BULGE: f64 = 1e-3;
+
+/// The difference of displacements, in diameters of a structure, up to which a linear law holds to about a per cent.
+const SMALL_DISPLACEMENT: f64 = 0.1;
 
 /// The largest speed at the start of the walls of bodies with a prescribed motion.
 pub fn speed_of_bodies_at_start<const D: usize>(case: &Case<D>) -> f64 {
@@ -48,25 +53,60 @@ fn bulges<const D: usize>(body: &RigidBody<D>, nodes: &[[f64; D]]) -> bool {
     weight > 0.0 && body.freedoms.iter().any(|freedom| across(&freedom.direction))
 }
 
-/// The warning about what is to find its equilibrium though nothing holds it: an axis of the structure without a support, or the first
-/// coordinate of a body without a spring or stop.
+/// The warning about a structure that deforms more in `state` than a linear law describes.
+pub fn beyond_linear<const D: usize>(case: &Case<D>, state: &coupled::State) -> Option<String> {
+    let structure = case.structure.as_ref().filter(|structure| structure.law == StructureLaw::Linear)?;
+    let displacement = match beside_flow(case) {
+        Some(_) => state.bodies.last().map(|stored| &stored[..BodyState::coordinates(stored)])?,
+        None => &state.d[..],
+    };
+    let along = |axis: usize| displacement.iter().skip(axis).step_by(D);
+    let spread = |axis: usize| {
+        let [low, high] =
+            along(axis).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &d| [low.min(d), high.max(d)]);
+        high - low
+    };
+    let part = (0..D).map(spread).fold(0.0, f64::max) / structure.mesh(&case.mesh).diameter();
+    (part > SMALL_DISPLACEMENT).then(|| {
+        format!(
+            "points of the structure move apart by {part:.2} of its size at t = {}, but `structure.law = \"linear\"` is for small displacements, up to about \
+             {SMALL_DISPLACEMENT}; \"neo_hookean\" and \"st_venant_kirchhoff\" are for large ones",
+            rounded_time(state.time)
+        )
+    })
+}
+
+/// The warning of [`unheld`].
 pub fn unheld_in_equilibrium<const D: usize>(case: &Case<D>) -> Option<String> {
+    unheld(case).map(|[what, remedy]| format!("{what}; {remedy}"))
+}
+
+/// What is to find its equilibrium though nothing holds it, and the remedy: an axis of the structure without a support, or the first
+/// coordinate of a body without a spring or stop.
+pub fn unheld<const D: usize>(case: &Case<D>) -> Option<[String; 2]> {
     case.solver.steady.as_ref().filter(|steady| steady.bodies == SteadyBodies::Equilibrium)?;
     if let Some(axis) = case.structure.as_ref().and_then(unheld_axis) {
-        return Some(format!(
-            "no support holds the structure along {axis}: the flow carries it away, and there is no equilibrium; \"fixed\" or `{{ held = [\"{axis}\"] }}` \
-             for one of its boundaries in `structure.boundary`, or `solver.steady.bodies = \"held\"`"
-        ));
+        return Some([
+            format!(
+                "no support holds the structure along {axis}: the flow carries it away, and there is no equilibrium"
+            ),
+            format!(
+                "\"fixed\" or `{{ held = [\"{axis}\"] }}` for one of its boundaries in `structure.boundary`, or \
+                 `solver.steady.bodies = \"held\"`"
+            ),
+        ]);
     }
     let is_unheld = |freedom: &&Freedom| {
         freedom.motion.is_none() && freedom.spring == 0.0 && freedom.cubic_spring == 0.0 && freedom.stops.is_none()
     };
     let of_body = |body: &RigidBody<D>| Some((body.name.clone(), body.freedoms.iter().find(is_unheld)?.name));
     let (body, freedom) = case.bodies.iter().find_map(of_body)?;
-    Some(format!(
-        "no spring holds `bodies.{body}.{freedom}`: unless the flow does, there is no equilibrium, and the body leaves its mesh; give it a \
-         `spring`, or take `solver.steady.bodies = \"held\"`"
-    ))
+    Some([
+        format!(
+            "no spring holds `bodies.{body}.{freedom}`: unless the flow does, there is no equilibrium, and the body leaves its mesh"
+        ),
+        "give it a `spring`, or take `solver.steady.bodies = \"held\"`".into(),
+    ])
 }
 
 /// The first axis along which no boundary of `structure` is held.

@@ -5,7 +5,7 @@ mod enclosure;
 use crate::opening_states::by_node;
 use crate::stored_field::StoredField;
 use enclosure::{Enclosure, to_legendre};
-use mesh::locate_in_cell;
+use mesh::{locate_in_cell, nearest_in_cell};
 use rayon::prelude::*;
 
 /// Finds the cells of points. An enclosure of each cell excludes nearly all cells, before any equation is solved.
@@ -14,6 +14,17 @@ pub struct CellFinder<const D: usize> {
     /// Positions of the nodes of every cell, `[node][component]`.
     nodes: Vec<Vec<f64>>,
     enclosures: Vec<Enclosure<D>>,
+}
+
+/// A place in a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place<const D: usize> {
+    /// The cell.
+    pub cell: usize,
+    /// The reference point.
+    pub xi: [f64; D],
+    /// The distance from the point that was looked for.
+    pub distance: f64,
 }
 
 impl<const D: usize> CellFinder<D> {
@@ -38,6 +49,44 @@ impl<const D: usize> CellFinder<D> {
         self.near(x).find_map(|cell| Some((cell, locate_in_cell(self.order, &self.nodes[cell], x)?)))
     }
 
+    /// The cells that may contain points of the box from `lower` to `upper`, in ascending order.
+    pub fn around(&self, [lower, upper]: [&[f64; D]; 2]) -> Vec<usize> {
+        (0..self.enclosures.len()).filter(|&cell| self.enclosures[cell].meets(lower, upper)).collect()
+    }
+
+    /// The place of `x` in the first of these `cells` that contains it, otherwise the nearest place of all cells. `None` without cells.
+    pub fn nearest(&self, cells: &[usize], x: &[f64; D]) -> Option<Place<D>> {
+        let contains = |cell: &&usize| self.enclosures[**cell].contains(x);
+        let inside = |&cell: &usize| Some((cell, locate_in_cell(self.order, &self.nodes[cell], x)?));
+        match cells.iter().filter(contains).find_map(inside) {
+            Some((cell, xi)) => Some(Place { cell, xi, distance: 0.0 }),
+            None => self.nearest_outside(x),
+        }
+    }
+
+    /// The place nearest to `x`, which is in no cell: enclosures that are further than a place that was found need no search.
+    fn nearest_outside(&self, x: &[f64; D]) -> Option<Place<D>> {
+        let mut cells: Vec<(f64, usize)> =
+            self.enclosures.iter().map(|enclosure| enclosure.distance(x)).zip(0..).collect();
+        cells.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let mut best: Option<Place<D>> = None;
+        for (least, cell) in cells {
+            if best.as_ref().is_some_and(|best| least > best.distance) {
+                break;
+            }
+            let (xi, distance) = nearest_in_cell(self.order, &self.nodes[cell], x);
+            if best.as_ref().is_none_or(|best| distance < best.distance) {
+                best = Some(Place { cell, xi, distance });
+            }
+        }
+        best
+    }
+
+    /// The size of a cell: the diagonal of the box around it.
+    pub fn size(&self, cell: usize) -> f64 {
+        self.enclosures[cell].diagonal()
+    }
+
     /// The cells whose enclosure contains `x`.
     fn near(&self, x: &[f64; D]) -> impl Iterator<Item = usize> {
         self.enclosures.iter().enumerate().filter(|(_, enclosure)| enclosure.contains(x)).map(|(cell, _)| cell)
@@ -49,6 +98,8 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use mesh::{BoxMesh, CellMap, Curving, Mesh};
+    use std::array::from_fn;
+    use tensor::norm;
 
     fn curved<const D: usize>() -> (Mesh<D>, CellFinder<D>) {
         let curving = Curving::Wavy { amplitude: 0.05 };
@@ -106,5 +157,39 @@ mod tests {
             assert_eq!(of_nodes.find(&x), finder.find(&x));
             assert!(of_nodes.near(&x).eq(finder.near(&x)));
         }
+    }
+
+    fn is_near_points_outside<const D: usize>() {
+        let (mesh, finder) = curved::<D>();
+        let nearest = |x: &[f64; D]| finder.nearest(&finder.around([x, x]), x).unwrap();
+        for number in 0..50 {
+            let mut inside: [f64; D] = from_fn(|i| (0.37 + 0.618 * (number * (i + 1)) as f64).fract());
+            let Place { cell, xi, distance } = nearest(&inside);
+            assert_eq!((Some((cell, xi)), distance), (finder.find(&inside), 0.0));
+            let mut outside = inside;
+            (outside[0], inside[0]) = (1.01, 1.0);
+            let Place { cell, xi, distance } = nearest(&outside);
+            let found = mesh.position(cell, &xi);
+            let apart = norm(&from_fn::<f64, D, _>(|i| found[i] - inside[i]));
+            assert!((0.01..0.0105).contains(&distance) && apart < 5e-3, "{outside:?}: {found:?}, {distance}");
+        }
+    }
+
+    #[test]
+    fn points_outside_take_the_nearest_place() {
+        is_near_points_outside::<2>();
+        is_near_points_outside::<3>();
+    }
+
+    /// The nearest node is on the other side of a slit: its cells were the only ones that were asked.
+    #[test]
+    fn points_in_a_slit_take_the_nearer_side() {
+        let below = vec![0.0, -1.0, 1.0, -1.0, 0.0, 0.0, 1.0, 0.0];
+        let above = [0.5, 1.5].map(|x| vec![x - 1.0, 0.01, x, 0.01, x - 1.0, 1.0, x, 1.0]);
+        let [left, right] = above;
+        let finder = CellFinder::<2>::of_nodes(2, vec![below, left, right]);
+        let x = [0.5, 0.004];
+        let place = finder.nearest(&finder.around([&x, &x]), &x).unwrap();
+        assert!(place.cell == 0 && (place.distance - 0.004).abs() < 1e-12, "{place:?}");
     }
 }

@@ -24,6 +24,7 @@ pub struct RunContext<'a> {
     begun: Instant,
     setup_seconds: f64,
     clock: CostClock,
+    has_warned_of_linear_law: bool,
 }
 
 /// Why a run stopped before its end.
@@ -62,6 +63,15 @@ impl<'a> RunContext<'a> {
             begun,
             setup_seconds: begun.elapsed().as_secs_f64(),
             clock: session.clock.clone(),
+            has_warned_of_linear_law: false,
+        }
+    }
+
+    /// Says this `warning` about the law of a structure, if it was not said yet.
+    pub fn warn_once_of_linear_law(&mut self, warning: Option<String>) {
+        if let Some(text) = warning.filter(|_| !self.has_warned_of_linear_law) {
+            self.observer.say(&format!("warning: {text}"));
+            self.has_warned_of_linear_law = true;
         }
     }
 

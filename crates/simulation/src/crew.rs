@@ -4,8 +4,7 @@
 //! |---|---|
 //! | build | make the march of their share |
 //! | restore | take their part of a state, and of what the preconditioner is made of |
-//! | search the steady flow | do so |
-//! | release bodies | let bodies go from the steady flow |
+//! | search the steady flow | do so, and let bodies go from it |
 //! | advance | attempt to solve a slab |
 //! | send | send numbers of cells to rank 0 |
 //! | send places | send the order of elimination to rank 0 |

@@ -249,7 +249,7 @@ where
 
     fn examine(&self, error: &anyhow::Error, statistics: &RunStatistics) -> Finding {
         let last = self.state_in((0..self.layout().cells).collect());
-        Failed::new((self.case, &self.flow), (&self.march, &last), error, &statistics.openings).examine()
+        Failed::new((self.case, &self.flow), (&self.march, &last), error, statistics).examine()
     }
 
     fn cut(&self, directory: &Path, at_end: bool) -> Result<(), OutputError> {

@@ -98,7 +98,7 @@ pub trait Observer: Sync {
     fn say(&self, _message: &str) {}
     /// No slab follows.
     fn finish(&self) {}
-    /// Whether the run is to stop after the slab in hand, with a checkpoint.
+    /// Whether the run is to stop after the slab in hand, or after the step in hand of a search for its start, with a checkpoint.
     fn is_stop_requested(&self) -> bool {
         false
     }

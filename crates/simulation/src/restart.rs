@@ -3,6 +3,7 @@
 mod carried;
 mod drives;
 mod error;
+mod other_mesh;
 mod supports;
 
 pub use error::RestartError;
@@ -17,9 +18,10 @@ use case::{
 use coupled::block::BodyState;
 use coupled::{Linearisation, MeshMotion, MeshMover, State, rounded_time};
 use fem::{Layout, Orders};
-use mesh::{Mesh, NodeNumbering};
+use mesh::NodeNumbering;
 use navier_stokes::Conserved;
-use output::{Checkpoint, RESULT_FILE, RestMesh, ResultReader, Series, SolverState};
+use other_mesh::{forget_cells, late_averages};
+use output::{Checkpoint, RESULT_FILE, ResultReader, Series, SolverState};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -40,6 +42,8 @@ pub struct Start {
     pub surfaces: Vec<Series>,
     /// The walls with distributions of which the earlier run kept none.
     pub added_walls: Vec<String>,
+    /// Whether the earlier run has another mesh.
+    pub is_on_other_mesh: bool,
     /// Whether the earlier run has only searched a steady flow, and this one searches another.
     pub searches_anew: bool,
     /// Whether the energies of flow and bodies are measured in another way than when the balances of the earlier run began.
@@ -80,7 +84,8 @@ pub fn read<const D: usize, const M: usize>(
     let origin = Origin { result: ResultReader::open(&path)?, path, stored };
     let start = origin.continued::<D, M>(case, flow, mover).map_err(Failure::bad_input)?;
     // A run that searches the steady flow anew has none of its distributions.
-    let names = if start.searches_anew { Vec::new() } else { origin.result.series_names()? };
+    let names =
+        if start.searches_anew || start.is_on_other_mesh { Vec::new() } else { origin.result.series_names()? };
     let surfaces: Result<Vec<_>, _> = names.iter().map(|name| origin.result.series(name)).collect();
     Ok(Some(Start { surfaces: surfaces?.into_iter().flatten().collect(), ..start }))
 }
@@ -92,6 +97,14 @@ struct Origin {
     stored: SolverState,
 }
 
+/// A state, the linearisation of its preconditioner, and whether that is stale.
+struct Loaded {
+    state: State,
+    frozen: Option<Linearisation>,
+    stale: bool,
+    orders: Orders,
+}
+
 impl Origin {
     /// Its state, as a state of `case`.
     fn continued<const D: usize, const M: usize>(
@@ -100,40 +113,53 @@ impl Origin {
         flow: &Flow<D>,
         mover: &MeshMover<D>,
     ) -> Result<Start, RestartError> {
-        self.check_mesh(case)?;
+        let is_other_mesh = self.check_mesh(case)?;
         let gas_changed = self.check_flow(case)?;
         self.check_bodies(case)?;
         let mut sums = self.sums(case, flow)?;
+        if is_other_mesh {
+            forget_cells(&mut sums);
+        }
         let metadata = &self.result.metadata;
-        let mesh = case.mesh.order();
-        let from = Orders { flow: metadata.space_nodes.len(), mesh, time: metadata.time_nodes.len() };
-        let to = Orders { flow: flow.order, mesh, time: case.time.order };
-        let (mut state, frozen, stale) = self.loaded::<D, M>(case, mover, from)?;
+        let to = Orders { flow: flow.order, mesh: case.mesh.order(), time: case.time.order };
+        let (loaded, warning) = self.on_mesh_here::<D, M>(case, mover, to, is_other_mesh)?;
+        let Loaded { mut state, frozen, stale, orders: from } = loaded;
         self.join_schedule(&mut state, &case.time)?;
         let mut warnings = self.check_motion(case, mover, &state)?;
+        warnings.extend(warning);
         state.boundary_jumps = self.jumps(case, mover, &state);
         warnings.extend(self.misunderstood_start(case, state.time)?);
-        let added_walls = surfaces::added(case, &metadata.case_text);
-        warnings.extend(surfaces::late_means(case, &added_walls, state.time));
+        let added_walls = match is_other_mesh {
+            true => surfaces::listed(case),
+            false => surfaces::added(case, &metadata.case_text),
+        };
+        let late = match is_other_mesh {
+            true => late_averages(case, state.time),
+            false => surfaces::late_means(case, &added_walls, state.time),
+        };
+        warnings.extend(late);
         let pressure_changes = gas_changed && case.allows(AllowedChange::Mach);
         if pressure_changes {
             self.shift_pressure::<D, M>(flow, from.flow, &mut state)?;
         }
         // Only the steady flow has been searched so far; the search continues if that of this case is another.
-        let searches_anew =
-            state.slab == 0 && case.solver.steady.is_some() && (gas_changed || self.is_other(case, &STEADY_PROBLEM)?);
+        let is_other_problem = is_other_mesh || gas_changed || self.is_other(case, &STEADY_PROBLEM)?;
+        let searches_anew = state.slab == 0 && case.solver.steady.is_some() && is_other_problem;
         if searches_anew {
             sums = RunStatistics::default().to_arrays();
         }
         let mut continued = match from == to {
-            true => checkpoint::store(&state, frozen.as_ref(), stale || gas_changed),
+            true => checkpoint::store(&state, frozen.as_ref(), stale || gas_changed && frozen.is_some()),
             false => checkpoint::store(&state.transfer(mover, M, from, to), None, false),
         };
         continued.arrays.extend(sums);
-        let is_measured_anew =
-            pressure_changes || self.has_other_quadrature(case)? || self.is_other(case, &["bodies", "structure"])?;
+        let is_measured_anew = is_other_mesh
+            || pressure_changes
+            || self.has_other_quadrature(case)?
+            || self.is_other(case, &["bodies", "structure"])?;
         let checkpoint = continued.into();
-        Ok(Start { checkpoint, warnings, surfaces: Vec::new(), added_walls, searches_anew, is_measured_anew })
+        let (surfaces, is_on_other_mesh) = (Vec::new(), is_other_mesh);
+        Ok(Start { checkpoint, warnings, surfaces, added_walls, is_on_other_mesh, searches_anew, is_measured_anew })
     }
 
     /// A warning if `time.start` is neither that of the run nor the `time` from which this case goes on.
@@ -167,46 +193,20 @@ impl Origin {
         Ok(there != quadrature(&case.about.resolved)? || fallback::since(&self.stored.arrays).is_some())
     }
 
-    /// The state in the orders of the run, the linearisation of its preconditioner, and whether that is stale.
-    fn loaded<const D: usize, const M: usize>(
-        &self,
-        case: &Case<D>,
-        mover: &MeshMover<D>,
-        orders: Orders,
-    ) -> Result<(State, Option<Linearisation>, bool), RestartError> {
-        let lengths = (case.mesh.n_cells() * M * orders.flow.pow(D as u32), mover.field_len());
-        let loaded = checkpoint::load(&self.stored, &Time { order: orders.time, ..case.time });
-        let fitting = loaded.filter(|(state, ..)| (state.u.len(), state.d.len()) == lengths);
-        fitting.ok_or_else(|| self.differs("the checkpoint", "incomplete", "that of a flow"))
+    /// The state of the run.
+    fn loaded<const D: usize, const M: usize>(&self, case: &Case<D>) -> Result<Loaded, RestartError> {
+        let metadata = &self.result.metadata;
+        let (flow, time) = (metadata.space_nodes.len(), metadata.time_nodes.len());
+        let orders = Orders { flow, mesh: case.mesh.order(), time };
+        let loaded = checkpoint::load(&self.stored, &Time { order: time, ..case.time });
+        let length = self.cells_of_flow() * M * flow.pow(D as u32);
+        let (state, frozen, stale) =
+            loaded.filter(|(state, ..)| state.u.len() == length).ok_or_else(|| self.incomplete())?;
+        Ok(Loaded { state, frozen, stale, orders })
     }
 
-    /// The mesh at rest must be the same, up to round-off.
-    fn check_mesh<const D: usize>(&self, case: &Case<D>) -> Result<(), RestartError> {
-        let (there, grid, here) = (&self.result.metadata.mesh, &self.result.layout.grid, &case.mesh);
-        let size = |dimension: usize, cells: usize, numbers: usize| {
-            format!("{cells} cells in {dimension} dimensions, {} nodes each", numbers / (dimension * cells).max(1))
-        };
-        let cells = grid.cells - self.cells_of_structure();
-        let of_there = size(grid.dimension, cells, there.position.len());
-        let of_here = size(D, here.n_cells(), here.coordinates().len());
-        if of_there != of_here {
-            return Err(self.differs("the mesh", of_there, of_here));
-        }
-        let (names, names_here) = (there.boundary_names.join(", "), here.boundary_names().join(", "));
-        if names != names_here {
-            return Err(self.differs("the boundaries", names, names_here));
-        }
-        let apart = largest_distance(there, here);
-        if apart > 1e-12 * here.diameter() {
-            return Err(self.differs("nodes of the mesh at rest", "elsewhere", format!("up to {apart:e} apart")));
-        }
-        Ok(())
-    }
-
-    /// The cells of a structure beside the flow in the file.
-    fn cells_of_structure(&self) -> usize {
-        let array = self.result.layout.exact.iter().find(|array| array.name == "structure_position");
-        array.and_then(|array| array.axes.first()).map_or(0, |axis| axis.length)
+    fn incomplete(&self) -> RestartError {
+        self.differs("the checkpoint", "incomplete", "that of a flow")
     }
 
     /// The gas in both cases, as text and without what is `allowed` to change.
@@ -348,15 +348,4 @@ impl Origin {
     fn differs(&self, quantity: &'static str, there: impl Into<String>, here: impl Into<String>) -> RestartError {
         RestartError::Differs { path: self.path.clone(), quantity, there: there.into(), here: here.into() }
     }
-}
-
-/// The largest distance of a coordinate in two meshes of the same size.
-fn largest_distance<const D: usize>(there: &RestMesh, here: &Mesh<D>) -> f64 {
-    let nodes = here.nodes_per_cell();
-    let cells = there.position.chunks_exact(D * nodes).zip(here.coordinates().chunks_exact(D * nodes));
-    // `[component][node]` in the file, `[node][component]` in the case.
-    let in_cell = |(there, here): (&[f64], &[f64])| -> f64 {
-        (0..D * nodes).map(|i| (there[i % D * nodes + i / D] - here[i]).abs()).fold(0.0, f64::max)
-    };
-    cells.map(in_cell).fold(0.0, f64::max)
 }

@@ -1,10 +1,16 @@
 //! The search for the steady flow, with bodies held and then released. Every rank searches for the flow of its own cells.
 
+use crate::body_checks::unheld_in_equilibrium;
 use crate::build;
-use case::{BoundaryData, Case, Flow, State, Steady, Time};
-use coupled::{Equilibrium, FlowMarch, Invariants, NoEquilibrium, Search, SteadyError, SteadyFlow, find_equilibrium};
+use crate::observer::Observer;
+use case::{BoundaryData, Case, Flow, State, Steady, SteadyBodies, Time};
+use coupled::{
+    Discretisation, Equilibrium, FlowMarch, Invariants, NoEquilibrium, Search, Stage, SteadyError, SteadyFlow,
+    find_equilibrium,
+};
 use fem::StateField;
 use navier_stokes::{Boundary, Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use ranks::Communicator;
 
 /// The length of the first slab of the search for an equilibrium, in time units of the flow.
 const FIRST_SLAB: f64 = 0.1;
@@ -12,15 +18,98 @@ const FIRST_SLAB: f64 = 0.1;
 /// The change from slab to slab falls at least by this factor as slabs grow, so slabs need not be solved better.
 const SLAB_TOLERANCE: f64 = 1e-3;
 
-/// Replaces the flow of `march`, a run at its start, by the steady flow. A collective call.
+/// The start of a run that was searched for.
+pub struct Found<const M: usize> {
+    /// The steady flow, with bodies held.
+    pub flow: SteadyFlow<M>,
+    /// The equilibrium with bodies released, if the case asks for it.
+    pub equilibrium: Option<Equilibrium<M>>,
+}
+
+/// The observer wants no more of the search.
+#[derive(Debug, thiserror::Error)]
+#[error("the search for the start was stopped")]
+pub struct Stopped;
+
+/// Replaces the flow of `march`, a run at its start, by the steady flow, with bodies released if the case asks for it. A collective call; the
+/// first rank has the `observer`.
 ///
 /// # Errors
-/// As [`Search::find`]; the flow is then the one with the least residual.
-pub fn search<const D: usize, const M: usize>(
+/// [`Stopped`]: the flow is then the one before, so that a later search finds the same bits. As [`Search::find`]: the flow is then the one
+/// with the least residual. [`NoEquilibrium`]; those of the mesh.
+pub fn find<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &Flow<D>,
     steady: &Steady,
     march: &mut FlowMarch<D, M>,
+    observer: &dyn Observer,
+) -> anyhow::Result<Found<M>>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let communicator = march.solver.system.flow.operator.share.sums.communicator().clone();
+    let is_stopped = || any(&*communicator, observer.is_stop_requested());
+    let before = march.state.u.clone();
+    let found = find_until(case, flow, steady, march, (observer, &is_stopped));
+    if found.is_err() && is_stopped() {
+        march.state.u = before;
+        return Err(Stopped.into());
+    }
+    found
+}
+
+/// [`find`], given up if `is_stopped`.
+fn find_until<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    steady: &Steady,
+    march: &mut FlowMarch<D, M>,
+    (observer, is_stopped): (&dyn Observer, &dyn Fn() -> bool),
+) -> anyhow::Result<Found<M>>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let found = search(case, flow, steady, march, is_stopped);
+    let stages = found.as_ref().map_or_else(|error| &error.stages, |found| &found.stages);
+    stages.iter().for_each(|stage| observer.say(&told(stage)));
+    let found = found?;
+    if steady.bodies != SteadyBodies::Equilibrium {
+        return Ok(Found { flow: found, equilibrium: None });
+    }
+    unheld_in_equilibrium(case).iter().for_each(|text| observer.say(&format!("warning: {text}")));
+    let equilibrium = release_bodies(case, flow, steady, march, is_stopped)?;
+    Ok(Found { flow: found, equilibrium: Some(equilibrium) })
+}
+
+/// Whether one of the ranks says so. A collective call.
+fn any(communicator: &dyn Communicator, own: bool) -> bool {
+    communicator.all_gather(&[f64::from(u8::from(own))]).concat().contains(&1.0)
+}
+
+/// A solve for the steady flow, in one line.
+fn told(stage: &Stage) -> String {
+    let Stage { discretisation: Discretisation { order, dissipative, .. }, steps, iterations, converged } = stage;
+    let flux = if *dissipative { ", dissipative flux" } else { "" };
+    let end = if *converged { "" } else { "  given up" };
+    format!("steady flow of order {order}{flux}: newton {steps}  krylov {iterations}{end}")
+}
+
+/// Replaces the flow of `march`, a run at its start, by the steady flow. A collective call.
+///
+/// # Errors
+/// As [`Search::find`]; the flow is then the one with the least residual.
+fn search<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    steady: &Steady,
+    march: &mut FlowMarch<D, M>,
+    is_stopped: &dyn Fn() -> bool,
 ) -> Result<SteadyFlow<M>, SteadyError>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
@@ -42,6 +131,7 @@ where
         sequence: steady.sequence,
         invariants: invariants(flow),
         stability_time: steady.stability_time,
+        is_stopped,
     };
     search.find(&mut state.u)
 }
@@ -51,11 +141,12 @@ where
 ///
 /// # Errors
 /// [`NoEquilibrium`]; those of the mesh.
-pub fn release_bodies<const D: usize, const M: usize>(
+fn release_bodies<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &Flow<D>,
     steady: &Steady,
     march: &mut FlowMarch<D, M>,
+    is_stopped: &dyn Fn() -> bool,
 ) -> anyhow::Result<Equilibrium<M>>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
@@ -70,7 +161,8 @@ where
     let mut released = build::march_of::<D, M>(&with_one_node, flow, mover, (**share).clone())?;
     released.solver.newton.relative_tolerance = SLAB_TOLERANCE;
     released.state.u.clone_from(&march.state.u);
-    let found = find_equilibrium(&mut released, steady.tolerance, flow.time_length).map_err(with_cause)?;
+    let rest = (steady.tolerance, flow.time_length);
+    let found = find_equilibrium(&mut released, rest, is_stopped).map_err(with_cause)?;
     let coupled::State { u, d, bodies, .. } = released.state;
     march.solver.system.flow.operator.set_displacement(&d);
     (march.state.u, march.state.d, march.state.bodies) = (u, d, bodies);
@@ -82,7 +174,7 @@ fn with_cause(error: NoEquilibrium) -> anyhow::Error {
     let words = error.to_string();
     match error {
         NoEquilibrium::Slab { source, .. } => anyhow::Error::new(source).context(words),
-        NoEquilibrium::Moves { .. } => anyhow::Error::new(error),
+        NoEquilibrium::Moves { .. } | NoEquilibrium::Stopped { .. } => anyhow::Error::new(error),
     }
 }
 

@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct StopFlag(Arc<AtomicBool>);
 
 impl StopFlag {
-    /// Whether to stop after the current slab.
+    /// Whether to stop after the current slab, or the current step of a search.
     pub fn is_set(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
@@ -32,7 +32,7 @@ impl StopFlag {
                     // Does not return: the process ends as if the signal had not been caught.
                     let _ = emulate_default_handler(signal);
                 }
-                let answer = "finishing this slab, then writing a checkpoint; press again to stop at once";
+                let answer = "finishing this slab, or this step or slab of a search, then writing a checkpoint; press again to stop at once";
                 terminal.print(answer);
             }
         });

@@ -114,6 +114,23 @@ fn a_restart_with_another_structure_is_refused() {
     go(&["time.end=0.08", &from, finer], "refused").expect(2, &["cannot start from"]);
 }
 
+/// The support was compared with the initial displacement at a time before the restart, and the case refused.
+#[test]
+fn a_support_may_begin_to_move_where_a_run_is_restarted() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let small = ["mesh.order=3", "flow.order=3", "time={order=2,end=0.1,step=0.025}", "structure.initial={}"];
+    let go = |changes: &[&str], output: &str| {
+        on_case(at, "run", "elastic_piston", &[&small[..], changes].concat(), output, &[])
+    };
+    go(&["structure.boundary.left=\"fixed\""], "first").expect(0, &[]);
+    let from = format!("restart.from={}", at.join("first").display());
+    let moved = |start: &str| format!("structure.boundary.left={{displacement=[\"0.1*(t-{start})\",0]}}");
+    go(&[&from, "time.end=0.15", &moved("0.1")], "second").expect(0, &[]);
+    assert_eq!(column(&at.join("second"), "t").len(), 6);
+    go(&[&from, "time.end=0.15", &moved("0")], "refused").expect(2, &["at t = 0.1 the support of the structure"]);
+}
+
 #[test]
 fn structures_that_cannot_be_are_refused() {
     let directory = TempDir::new().unwrap();

@@ -3,7 +3,7 @@
 use super::Time;
 use super::mesh_crate::{Mesh, NodeNumbering};
 use super::motion::check_start;
-use super::shared_nodes::{SharedNodes, nodes_on};
+use super::shared_nodes::{SharedNodes, nodes_on, same_place};
 use super::sliding_mesh::Held;
 use crate::boundary_motion::{BoundaryMotion, NormalMotion, RigidMotion, RigidStep};
 use crate::cause::Cause;
@@ -119,25 +119,21 @@ impl<'a, const D: usize> Boundaries<'a, D> {
         if !motion.amount.contains(Variable::Coordinate(D)) {
             return Ok(());
         }
-        let tolerance = 1e-9 * self.mesh.diameter();
         let begins = |node: &usize| motion.nodes.get(node).is_some_and(|(_, s)| *s == 0.0);
         let ends: Vec<_> =
             nodes_on(self.mesh, self.numbering(), boundary).filter(|(node, _)| begins(node)).map(|(_, x)| x).collect();
-        for t in self.time.check_times() {
-            for x in &ends {
-                let [first, last] = [0.0, 1.0].map(|s| motion.amount_at(x, s, t));
-                if (first - last).abs() > tolerance {
-                    let constants = self.checker.constants_in_words();
-                    let problem = format!(
-                        "the curve begins and ends at {x:?}, but s = 0 moves by {first:.6} and s = 1 by {last:.6} until t = {t}{constants}"
-                    );
-                    let accepted =
-                        "a formula with the same value at both ends, such as a whole number of waves, sin(2*pi*n*s)";
-                    return Err(self.checker.combination(key, &problem, accepted));
-                }
-            }
-        }
-        Ok(())
+        let amounts = |x: &[f64; D], t: f64| [0.0, 1.0].map(|s| motion.amount_at(x, s, t));
+        let tear = |t: f64| {
+            let apart = |[first, last]: &[f64; 2]| (first - last).abs() > same_place(self.mesh);
+            ends.iter().find_map(|x| Some((x, t, Some(amounts(x, t)).filter(apart)?)))
+        };
+        let Some((x, t, [first, last])) = self.time.check_times().into_iter().find_map(tear) else { return Ok(()) };
+        let constants = self.checker.constants_in_words();
+        let problem = format!(
+            "the curve begins and ends at {x:?}, but s = 0 moves by {first:.6} and s = 1 by {last:.6} until t = {t}{constants}"
+        );
+        let accepted = "a formula with the same value at both ends, such as a whole number of waves, sin(2*pi*n*s)";
+        Err(self.checker.combination(key, &problem, accepted))
     }
 
     /// Checks that the boundary starts at rest: its displacement at the start is zero up to round-off of the size of

@@ -40,7 +40,10 @@ impl<const D: usize> Independent<D> {
         let flow = errors.note(flow.transpose());
         let structure = match (&raw.structure, &time) {
             (None, _) => Some(None),
-            (Some(raw), Some(time)) => errors.note(structure::check(checker, raw, &mesh, part, time)).map(Some),
+            (Some(structure), Some(time)) => {
+                let starts = raw.restart.is_none();
+                errors.note(structure::check(checker, structure, &mesh, part, (time, starts))).map(Some)
+            }
             (Some(_), None) => None,
         };
         Independent { time, mesh: Some(mesh), flow, structure, output }

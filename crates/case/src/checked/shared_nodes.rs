@@ -7,6 +7,11 @@ use crate::checker::{Checked, Checker};
 use crate::key::Key;
 use std::collections::BTreeMap;
 
+/// The distance below which two places of `mesh` are the same, for displacements by formulas.
+pub(super) fn same_place<const D: usize>(mesh: &Mesh<D>) -> f64 {
+    1e-9 * mesh.diameter()
+}
+
 /// The displacement of a node of a boundary, each component if it is prescribed, for (boundary, node, position at rest, time).
 pub(super) type Displacement<'a, const D: usize> = dyn Fn(usize, usize, &[f64; D], f64) -> [Option<f64>; D] + 'a;
 
@@ -38,8 +43,7 @@ impl<const D: usize> SharedNodes<'_, D> {
     }
 
     fn check_at(&self, t: f64, keys: &[Key], displacement: &Displacement<'_, D>) -> Checked<()> {
-        let size = self.mesh.diameter();
-        let tolerance = 1e-9 * size;
+        let (size, tolerance) = (self.mesh.diameter(), same_place(self.mesh));
         let mut moved: BTreeMap<usize, First<D>> = BTreeMap::new();
         for (boundary, key) in keys.iter().enumerate() {
             for (node, x) in nodes_on(self.mesh, self.numbering, boundary) {

@@ -108,13 +108,14 @@ impl<const D: usize> Support<D> {
     }
 }
 
-/// Checks `[structure]` of a run that covers `time`, on its `part` beside a flow or on the whole `mesh`.
+/// Checks `[structure]` of a run that covers `time`, on its `part` beside a flow or on the whole `mesh`. A run that `starts` does so from its
+/// initial displacement, a restart from that of another run.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     raw: &raw::Structure,
     mesh: &Mesh<D>,
     part: Option<SolidPart<D>>,
-    time: &Time,
+    (time, starts): (&Time, bool),
 ) -> Checked<Structure<D>> {
     let key = Key::new("structure");
     let mut errors = Errors::default();
@@ -127,7 +128,7 @@ pub(super) fn check<const D: usize>(
     let boundary = errors.note(supports::check(&shared, &key, raw, part.as_ref()));
     let start = errors.note(Start::check(checker, &key, raw, mesh, time.start));
     // A static analysis starts in equilibrium with its supports.
-    if let (Some(boundary), Some(start), Analysis::Dynamic) = (&boundary, &start, raw.analysis) {
+    if let (Some(boundary), Some(start), Analysis::Dynamic, true) = (&boundary, &start, raw.analysis, starts) {
         errors.note(start.check_walls(&shared, part.as_ref(), boundary));
     }
     let material = errors.note(Material::check(checker, &key, raw, mesh));

@@ -69,6 +69,12 @@ pub enum NoEquilibrium {
         #[source]
         source: MarchError,
     },
+    /// The caller wants no more slabs.
+    #[error("the search for an equilibrium was stopped after {slabs} slabs")]
+    Stopped {
+        /// The slabs of the search.
+        slabs: usize,
+    },
     /// The state still changes.
     #[error(
         "flow and bodies do not come to rest: after {slabs} slabs the flow still changes by {flow:.1e} of its largest change, and the bodies move \
@@ -86,14 +92,14 @@ pub enum NoEquilibrium {
 
 /// Replaces the state of `march`, a run at its start with one node in time, by the equilibrium of flow, mesh and bodies on the data of that
 /// time. It is found when the change from slab to slab has fallen by the factor `tolerance`. Bodies, of the size `length`, then rest, and their
-/// energy balance begins anew.
+/// energy balance begins anew. The search ends before a slab if `is_stopped`, which must give the same answer on all ranks.
 ///
 /// # Errors
 /// [`NoEquilibrium`]; the state is then that of the last slab.
 pub fn find_equilibrium<const D: usize, const M: usize>(
     march: &mut FlowMarch<D, M>,
-    tolerance: f64,
-    length: f64,
+    (tolerance, length): (f64, f64),
+    is_stopped: &dyn Fn() -> bool,
 ) -> Result<Equilibrium<M>, NoEquilibrium> {
     let (start, first) = (march.state.time, march.state.step);
     march.solver.system.hold_time(start);
@@ -105,6 +111,9 @@ pub fn find_equilibrium<const D: usize, const M: usize>(
     let (mut steps, mut iterations) = (0, 0);
     let (mut flow, mut bodies, mut rises, mut fastest) = (f64::INFINITY, 1.0, 0, 0.0_f64);
     for slabs in 1..=SLABS {
+        if is_stopped() {
+            return Err(NoEquilibrium::Stopped { slabs: slabs - 1 });
+        }
         let before = march.state.d.clone();
         let step = march.state.step;
         let report = march.advance().map_err(|source| NoEquilibrium::Slab { slab: slabs, length: step, source })?;

@@ -11,6 +11,7 @@
 use super::residual_norms;
 use super::search::{Discretisation, Search};
 use super::settling::{PER_TIME_UNIT, duration, mean, rates_of_change};
+use crate::slab_error::SlabError;
 use fem::Layout;
 use navier_stokes::Conserved;
 use newton_krylov::inner_product::smallest;
@@ -73,12 +74,16 @@ impl Stability {
 
 impl<const D: usize, const M: usize> Search<'_, D, M> {
     /// Tests the steady flow `u`.
-    pub(super) fn reliability(&self, u: &[f64]) -> Reliability {
+    ///
+    /// # Errors
+    /// [`SlabError::Stopped`]
+    pub(super) fn reliability(&self, u: &[f64]) -> Result<Reliability, SlabError> {
         let next_order_residual = if self.order < HIGHEST_ORDER { self.next_order_residual(u) } else { None };
         let reliability = Reliability { next_order_residual, stability: None };
         let needed = if reliability.is_resolved() || self.order >= HIGHEST_ORDER { 0.0 } else { TIME_UNITS };
         let units = self.stability_time.unwrap_or(needed);
-        Reliability { stability: (units > 0.0).then(|| self.stability(u, units)), ..reliability }
+        let stability = if units > 0.0 { Some(self.stability(u, units)?) } else { None };
+        Ok(Reliability { stability, ..reliability })
     }
 
     fn next_order_residual(&self, u: &[f64]) -> Option<f64> {
@@ -98,13 +103,17 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
         (size > 0.0).then_some(residual / size)
     }
 
-    fn stability(&self, u: &[f64], units: f64) -> Stability {
+    /// Marches the disturbed flow in time.
+    fn stability(&self, u: &[f64], units: f64) -> Result<Stability, SlabError> {
         let mut disturbed = u.to_vec();
         let (own, nodes) = (&self.share.own, self.order.pow(D as u32));
         disturb(own, Layout { cells: own.len(), time_order: 1, components: M, nodes }, &mut disturbed);
         let slabs = (units * PER_TIME_UNIT).ceil().max(8.0) as usize;
         let rates = rates_of_change(self, &mut disturbed, slabs);
-        Stability::new(&rates, slabs, duration(self, rates.len()))
+        match (self.is_stopped)() {
+            true => Err(SlabError::Stopped),
+            false => Ok(Stability::new(&rates, slabs, duration(self, rates.len()))),
+        }
     }
 }
 

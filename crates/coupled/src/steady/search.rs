@@ -78,6 +78,8 @@ pub struct Search<'a, const D: usize, const M: usize> {
     pub invariants: Invariants,
     /// The time units for which the steady flow is marched in time, to see whether it is stable. `None`: the flow decides.
     pub stability_time: Option<f64>,
+    /// Whether the search ends early, without a steady flow. A collective call, with the same answer on all ranks.
+    pub is_stopped: &'a dyn Fn() -> bool,
 }
 
 /// A steady flow.
@@ -124,13 +126,13 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
         let stall = if self.sequence { AT_ONCE } else { PATIENT };
         let start = u.clone();
         let mut solved = self.solve(own, u, self.with(stall), &mut stages);
-        if solved.is_err() && self.sequence {
+        if self.sequence && solved.as_ref().is_err_and(|error| !matches!(error, SlabError::Stopped)) {
             *u = start;
             solved = self.climb(u, &mut stages);
         }
         let solved = solved.and_then(|report| self.with_initial_totals(report, u, &mut stages));
-        let source = match solved {
-            Ok(report) => return Ok(SteadyFlow { report, stages, reliability: self.reliability(u) }),
+        let source = match solved.and_then(|report| Ok((report, self.reliability(u)?))) {
+            Ok((report, reliability)) => return Ok(SteadyFlow { report, stages, reliability }),
             Err(source) => source,
         };
         let mut marched = u.clone();
@@ -138,9 +140,10 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
         if settling.as_ref().is_some_and(Settling::calms_down)
             && let Ok(report) = self.solve(own, &mut marched, self.with(PATIENT), &mut stages)
             && let Ok(report) = self.with_initial_totals(report, &mut marched, &mut stages)
+            && let Ok(reliability) = self.reliability(&marched)
         {
             *u = marched;
-            return Ok(SteadyFlow { report, stages, reliability: self.reliability(u) });
+            return Ok(SteadyFlow { report, stages, reliability });
         }
         Err(SteadyError { settling, stages, source })
     }
@@ -157,6 +160,7 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
             self.carry(&mut trial, at, next.order);
             match self.solve(next, &mut trial, roughly, stages) {
                 Ok(_) => (*u, at) = (trial, next.order),
+                Err(SlabError::Stopped) => return Err(SlabError::Stopped),
                 Err(error) => tracing::info!(order = next.order, %error, "steady flow of a lower order not found"),
             }
         }
@@ -202,11 +206,15 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
         stages: &mut Vec<Stage>,
     ) -> Result<SlabReport<M>, SlabError> {
         let (mut problem, initial) = (self.discretise)(discretisation);
-        let mut solved = solve_steady(&mut problem, u, self.displacement, &initial, self.times(), &settings);
+        let how = (&settings, self.is_stopped);
+        let mut solved = solve_steady(&mut problem, u, self.displacement, &initial, self.times(), how);
         if let Err(SlabError::Guess(_)) = solved {
             // The flow that was carried over is not admissible at this order.
             u.copy_from_slice(&initial);
-            solved = solve_steady(&mut problem, u, self.displacement, &initial, self.times(), &settings);
+            solved = solve_steady(&mut problem, u, self.displacement, &initial, self.times(), how);
+        }
+        if matches!(solved, Err(SlabError::Stopped)) {
+            return solved;
         }
         let report = match &solved {
             Ok(report) => Some(&report.newton),

@@ -61,7 +61,8 @@ pub(super) fn settle<const D: usize, const M: usize>(search: &Search<'_, D, M>, 
     Some(Settling { early: mean(&rates[..quarter]), late: mean(late), duration: duration(search, SLABS) })
 }
 
-/// |du/dt| after each of `slabs` slabs of a march in time from `u`; fewer numbers if the march fails. `u` becomes the flow where it has ended.
+/// |du/dt| after each of `slabs` slabs of a march in time from `u`; fewer numbers if the march fails or the search is stopped. `u` becomes the
+/// flow where it has ended.
 pub(super) fn rates_of_change<const D: usize, const M: usize>(
     search: &Search<'_, D, M>,
     u: &mut Vec<f64>,
@@ -71,7 +72,7 @@ pub(super) fn rates_of_change<const D: usize, const M: usize>(
     let (mut steady, _) = (search.discretise)(search.own());
     let mut march = march(search, u, slabs);
     let mut rates = Vec::with_capacity(slabs);
-    while !march.is_done() && march.advance().is_ok() {
+    while !march.is_done() && !(search.is_stopped)() && march.advance().is_ok() {
         let Ok(rate) = rate_of_change(search, &mut steady, &march.state.u) else { break };
         rates.push(rate);
     }

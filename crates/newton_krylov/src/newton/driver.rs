@@ -99,6 +99,11 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         self.report
     }
 
+    /// The error of a solve that was stopped.
+    pub(super) fn stopped(&self) -> Error {
+        Error::Stopped { report: Box::new(self.report.clone()) }
+    }
+
     /// Puts the iterate with the least residual into `z`, after a failure, if the settings ask for it.
     pub(super) fn return_best(&mut self, z: &mut [f64]) {
         if !self.best.z.is_empty() {

@@ -147,6 +147,12 @@ pub enum Error {
         /// The report up to the failure.
         report: Box<Report>,
     },
+    /// The caller wants no more steps.
+    #[error("Newton: stopped after {} steps, at residual norm {:e}", report.steps.len(), report.final_norm())]
+    Stopped {
+        /// The report up to that step.
+        report: Box<Report>,
+    },
     /// The residual grew beyond all bounds, or is not finite.
     #[error(
         "Newton step {}: diverged, the residual norm is {:e}, against {reference:e} for reference",
@@ -170,6 +176,7 @@ impl Error {
             | Self::MaxSteps { report, .. }
             | Self::Stalled { report, .. }
             | Self::ShortSteps { report, .. }
+            | Self::Stopped { report }
             | Self::Diverged { report, .. } => report,
         }
     }

@@ -375,3 +375,16 @@ fn a_solve_that_converges_does_not_feel_the_watch_for_stalls() {
     };
     assert_eq!(solve(None), solve(Some(Stall { steps: 1, factor: 0.9 })));
 }
+
+#[test]
+fn a_solve_ends_before_the_step_that_its_caller_does_not_want() {
+    let asked = std::cell::Cell::new(0);
+    let is_stopped = || asked.replace(asked.get() + 1) == 2;
+    let (mut u, mut problem, settings) = (vec![0.0; 63], Bratu::new(63), exact());
+    let error =
+        solve_until(&mut problem, &mut u, None, (&settings, &is_stopped), &mut Workspace::default()).unwrap_err();
+    assert!(matches!(error, Error::Stopped { .. }) && error.report().steps.len() == 2, "{error}");
+    let mut two = vec![0.0; 63];
+    run(&mut Bratu::new(63), &mut two, &Settings { max_steps: 2, ..settings }).unwrap_err();
+    assert_eq!(bits(&u), bits(&two));
+}

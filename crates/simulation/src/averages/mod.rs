@@ -28,7 +28,7 @@ mod sums;
 pub use along::AlongFiles;
 pub use moments::{Averaged, Moments};
 pub use phase_file::PhaseFile;
-pub use sums::{AverageSums, MOMENTS, OFFSETS};
+pub use sums::{AverageSums, MOMENTS, OFFSETS, is_of_averages};
 
 use basis::{RadauTime, gauss, gauss_lobatto};
 use case::{Averages, Case, Flow};

@@ -11,6 +11,11 @@ pub const OFFSETS: &str = "statistics.averages.offsets";
 /// The array of the sums, which has numbers of every cell.
 pub const MOMENTS: &str = "statistics.averages.moments";
 
+/// Whether the array `name` of a checkpoint is of averages.
+pub fn is_of_averages(name: &str) -> bool {
+    name.starts_with(NAME)
+}
+
 /// The sums of a run over the cells of a rank; empty before the first slab that is averaged.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AverageSums {

@@ -1,6 +1,8 @@
 //! Parallelepipeds that contain cells.
 
 use basis::{Lagrange, Matrix, gauss};
+use std::array::from_fn;
+use tensor::norm;
 
 /// Enclosures are enlarged by this fraction of their extent, against rounding.
 const MARGIN: f64 = 1e-6;
@@ -47,6 +49,25 @@ impl<const D: usize> Enclosure<D> {
     pub fn contains(&self, x: &[f64; D]) -> bool {
         let d: [f64; D] = std::array::from_fn(|i| x[i] - self.centre[i]);
         (0..D).all(|i| d[i].abs() <= self.extent[i]) && self.edges.as_ref().is_none_or(|edges| is_between(edges, &d))
+    }
+}
+
+/// The box alone.
+impl<const D: usize> Enclosure<D> {
+    /// Whether it meets the box from `lower` to `upper`.
+    pub fn meets(&self, lower: &[f64; D], upper: &[f64; D]) -> bool {
+        let [centre, extent] = [&self.centre, &self.extent];
+        (0..D).all(|i| lower[i] <= centre[i] + extent[i] && upper[i] >= centre[i] - extent[i])
+    }
+
+    /// Its distance from `x`; 0 inside.
+    pub fn distance(&self, x: &[f64; D]) -> f64 {
+        norm(&from_fn::<f64, D, _>(|i| ((x[i] - self.centre[i]).abs() - self.extent[i]).max(0.0)))
+    }
+
+    /// Its diagonal.
+    pub fn diagonal(&self) -> f64 {
+        2.0 * norm(&self.extent)
     }
 }
 

@@ -11,10 +11,8 @@ pub enum Order {
     Build,
     /// Take their part of a state; what all ranks need of it follows, and then each receives its own cells.
     Restore,
-    /// Search the steady flow.
+    /// Search the steady flow, and let bodies go from it until all are in equilibrium.
     SearchSteadyFlow,
-    /// Let bodies go from it until all are in equilibrium.
-    ReleaseBodies,
     /// Solve a slab.
     Advance,
     /// Send numbers of cells, which are listed.
@@ -35,11 +33,10 @@ pub enum Order {
     Finish,
 }
 
-const ORDERS: [Order; 13] = [
+const ORDERS: [Order; 12] = [
     Order::Build,
     Order::Restore,
     Order::SearchSteadyFlow,
-    Order::ReleaseBodies,
     Order::Advance,
     Order::Send,
     Order::SendPlaces,

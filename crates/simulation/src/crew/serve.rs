@@ -4,7 +4,8 @@ use super::orders::{self, Order};
 use super::parts::{self, Own};
 use super::{add_up, advance, begin_averages, march, peak_memories, stored};
 use crate::averages::{AverageSums, add_slab};
-use crate::{controls, errors, integrals, steady_search};
+use crate::steady_search::find;
+use crate::{controls, errors, integrals};
 use case::{AnyCase, Case, State};
 use coupled::FlowMarch;
 use fem::StateField;
@@ -45,13 +46,8 @@ where
                 let own = parts::with_own_arrays(common, share, |_, _| Vec::new());
                 stored::restore(case, &mut flow, &own, (march, &mut averages));
             }
-            (Order::SearchSteadyFlow | Order::ReleaseBodies, Some(march)) => {
-                if let Some(steady) = &case.solver.steady {
-                    let _ = match order {
-                        Order::ReleaseBodies => steady_search::release_bodies(case, &flow, steady, march).err(),
-                        _ => steady_search::search(case, &flow, steady, march).err().map(Into::into),
-                    };
-                }
+            (Order::SearchSteadyFlow, Some(march)) => {
+                case.solver.steady.iter().for_each(|steady| drop(find(case, &flow, steady, march, &())));
             }
             (Order::Advance, Some(march)) => {
                 controls::hear(case, &orders::decode(&state));

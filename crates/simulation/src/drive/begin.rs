@@ -11,6 +11,7 @@ use crate::record::{MeshView, Recorder, Snapshot, StructureSnapshot};
 use crate::restart::Start;
 use crate::session::Session;
 use crate::statistics::RunStatistics;
+use crate::steady_search::Stopped;
 use crate::{checkpoint, controls, cuts, failure, surfaces};
 use case::{Case, rounded_time, surface_name};
 use output::{Checkpoint, RESULT_FILE, ResultReader, Series};
@@ -86,6 +87,7 @@ pub(super) fn begin<const D: usize, const M: usize>(
 ) -> Result<Option<Stop>, Failure> {
     let row = match run.open(context) {
         Ok(row) => row,
+        Err(error) if error.is::<Stopped>() => return Ok(Some(Stop::Asked)),
         Err(error) => return Ok(Some(Stop::Failed(error, None))),
     };
     let velocities = match &run.state().past {

@@ -23,12 +23,14 @@ pub struct FailureData {
 }
 
 /// Bodies that the flow moves.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Bodies {
     /// The path of the mesh in the slab at its last velocity, in thicknesses of its cells.
     pub travel: f64,
     /// The mass of a cylinder or sphere of fluid as large as the body, over the mass of the body; the largest of all bodies.
     pub added_mass: f64,
+    /// What nothing holds in a search for an equilibrium, and the remedy.
+    pub unheld: Option<[String; 2]>,
 }
 
 /// The part that failed.

@@ -38,7 +38,7 @@ const UNLIKELY: f64 = 0.02;
 
 type Rule = fn(&FailureData) -> Option<Cause>;
 
-const OF_MESH: [Rule; 10] = [
+const OF_MESH: [Rule; 11] = [
     mesh_rules::undefined_motion,
     mesh_rules::far_away,
     mesh_rules::deformation,
@@ -46,6 +46,7 @@ const OF_MESH: [Rule; 10] = [
     mesh_rules::far_in_one_slab,
     body_rules::far_in_one_slab,
     body_rules::folding_weights,
+    body_rules::unheld,
     mesh_rules::stiffness,
     mesh_rules::uneven_cells,
     mesh_rules::nearly_incompressible,
@@ -60,7 +61,7 @@ const OF_STRUCTURE: [Rule; 6] = [
     structure_rules::nearly_incompressible,
 ];
 
-const OF_FLOW: [Rule; 16] = [
+const OF_FLOW: [Rule; 17] = [
     gas_rules::opening,
     gas_rules::near_vacuum,
     gas_rules::boundary_condition,
@@ -77,6 +78,7 @@ const OF_FLOW: [Rule; 16] = [
     mesh_rules::nearly_inverted,
     body_rules::far_in_one_slab,
     body_rules::light_body,
+    body_rules::unheld,
 ];
 
 /// The likeliest causes, in decreasing order.
@@ -86,7 +88,7 @@ pub fn causes(data: &FailureData) -> Vec<Cause> {
         GaveUp::Load => &[structure_rules::bad_load],
         GaveUp::Structure => &OF_STRUCTURE,
         GaveUp::Inadmissible | GaveUp::Newton | GaveUp::LinearSolver => &OF_FLOW,
-        GaveUp::Other => &[],
+        GaveUp::Other => &[body_rules::unheld],
     };
     let mut causes: Vec<Cause> =
         rules.iter().filter_map(|rule| rule(data)).filter(|cause| cause.likelihood >= UNLIKELY).collect();

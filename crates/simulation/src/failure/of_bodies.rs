@@ -15,7 +15,11 @@ pub fn measure<const D: usize>(
     state: &State,
     dt: f64,
 ) -> Option<Bodies> {
-    has_bodies(case).then(|| Bodies { travel: travel(grid, state, dt), added_mass: added_mass(case, flow) })
+    has_bodies(case).then(|| Bodies {
+        travel: travel(grid, state, dt),
+        added_mass: added_mass(case, flow),
+        unheld: None,
+    })
 }
 
 /// The path of nodes at the velocity of the last time node, in thicknesses of their cells.

@@ -1,12 +1,14 @@
 //! The examination of a failed run of mesh and flow.
 
 use super::super::openings::Record;
-use super::data::{Attempt, FailureData, FlowStart, Gas, GaveUp, Newton, OpeningMisuse, Settling};
+use super::super::statistics::RunStatistics;
+use super::data::{Attempt, Bodies, FailureData, FlowStart, Gas, GaveUp, Newton, OpeningMisuse, Settling};
 use super::finding::{Finding, WorstCell, WorstCellCause};
 use super::gas::{CellGas, Measured, Then, measure};
 use super::grid::Grid;
 use super::of_bodies;
 use super::of_mesh::{self, inverted};
+use crate::body_checks::unheld;
 use crate::cells::StateInCells;
 use case::{Case, Flow, State};
 use coupled::{FlowMarch, Interval, MarchError, MeshMover, ResidualBreakdown, SlabError, SteadyError};
@@ -26,7 +28,7 @@ pub struct Failed<'a, const D: usize, const M: usize> {
     /// The failed search for a steady flow, if it was that.
     steady: Option<&'a SteadyError>,
     interval: Interval,
-    openings: &'a [Record],
+    statistics: &'a RunStatistics,
 }
 
 /// The gas at the start, by the case, and in the last good state.
@@ -39,17 +41,17 @@ impl<'a, const D: usize, const M: usize> Failed<'a, D, M>
 where
     State<D>: ExactState<D, M>,
 {
-    /// The run of `case` that stopped with `error`, and the observations at its openings.
+    /// The run of `case` that stopped with `error`.
     pub fn new(
         (case, flow): (&'a Case<D>, &'a Flow<D>),
         (march, last): (&'a FlowMarch<D, M>, &'a StateInCells<'a>),
         error: &'a anyhow::Error,
-        openings: &'a [Record],
+        statistics: &'a RunStatistics,
     ) -> Self {
         let state = &march.state;
         let here = Interval { start: state.time, end: state.time, halvings: 0 };
         let failed =
-            |error, steady, interval| Failed { case, flow, march, state, last, error, steady, interval, openings };
+            |error, steady, interval| Failed { case, flow, march, state, last, error, steady, interval, statistics };
         match (error.downcast_ref::<MarchError>(), error.downcast_ref::<SteadyError>()) {
             (Some(march), _) => failed(Some(&march.source), None, march.interval),
             (None, Some(steady)) => failed(Some(&steady.source), Some(steady), here),
@@ -83,9 +85,17 @@ where
                 mesh,
                 gas: Some(self.gas(&grid, &gases)),
                 structure: None,
-                bodies: of_bodies::measure(self.case, self.flow, &grid, self.state, end - start),
+                bodies: self.bodies(&grid),
             },
         }
+    }
+
+    fn bodies(&self, grid: &Grid<D>) -> Option<Bodies> {
+        // The steady flow with bodies held was found, but not yet their equilibrium.
+        let is_released = self.steady.is_none() && self.statistics.steady.is_none() && self.state.slab == 0;
+        let dt = self.interval.end - self.interval.start;
+        let bodies = of_bodies::measure(self.case, self.flow, grid, self.state, dt)?;
+        Some(Bodies { unheld: if is_released { unheld(self.case) } else { None }, ..bodies })
     }
 
     fn mover(&self) -> &'a MeshMover<D> {
@@ -108,7 +118,7 @@ where
 
     fn gave_up(&self) -> GaveUp {
         match self.error {
-            None | Some(SlabError::FullTurn { .. }) => GaveUp::Other,
+            None | Some(SlabError::FullTurn { .. } | SlabError::Stopped) => GaveUp::Other,
             Some(SlabError::Mesh(_)) => GaveUp::Equilibrium,
             Some(SlabError::Structure(ElasticityError::Load { .. })) => GaveUp::Load,
             Some(SlabError::Structure(_)) => GaveUp::Structure,
@@ -189,7 +199,7 @@ where
             captures_shocks: law.shock_capturing.is_some(),
             order: self.flow.order,
             is_split: law.volume_flux.is_split(),
-            openings: self.openings.iter().map(|record| self.opening(record)).collect(),
+            openings: self.statistics.openings.iter().map(|record| self.opening(record)).collect(),
             kick: if self.case.motion.is_some() { gases.start.kick } else { 0.0 },
             start: self.flow_start(),
         }
@@ -211,7 +221,7 @@ where
     /// The inverted cell, or else the cell with the largest residual, or else the cell with the lowest density.
     fn worst_cell(&self, grid: &Grid<D>, gases: &Gases) -> Option<WorstCell> {
         match self.error? {
-            SlabError::Mesh(_) | SlabError::Structure(_) | SlabError::FullTurn { .. } => None,
+            SlabError::Mesh(_) | SlabError::Structure(_) | SlabError::FullTurn { .. } | SlabError::Stopped => None,
             SlabError::Invalid { quality } => Some(inverted(grid, &self.displacement_at(quality.time), quality)),
             SlabError::Newton { residual_breakdown: Some(residual_breakdown), .. } => {
                 self.unsolved_cell(grid, residual_breakdown)

@@ -1,13 +1,12 @@
 //! The start of a run from the steady flow, with bodies held or in equilibrium.
 
 use super::FlowRun;
-use crate::body_checks::unheld_in_equilibrium;
 use crate::context::RunContext;
 use crate::crew::Order;
 use crate::history;
-use crate::steady_search;
+use crate::steady_search::{self, Found};
 use crate::walls::wall_loads;
-use case::{State, Steady, SteadyBodies};
+use case::{State, Steady};
 use coupled::{Discretisation, Equilibrium, Reliability, SlabReport, Stability, Stage, SteadyFlow};
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
@@ -26,14 +25,9 @@ where
         context: &mut RunContext,
     ) -> anyhow::Result<Vec<f64>> {
         let (case, flow, march) = (self.case, &*self.flow, &mut self.march);
-        let search = || steady_search::search(case, flow, steady, march);
-        let found = self.crew.all(Order::SearchSteadyFlow, search);
-        let stages = found.as_ref().map_or_else(|error| &error.stages, |flow| &flow.stages);
-        stages.iter().for_each(|stage| context.observer.say(&told(stage)));
-        let mut found = found?;
-        if steady.bodies == SteadyBodies::Equilibrium {
-            self.release_bodies(steady, context, &mut found)?;
-        }
+        let search = || steady_search::find(case, flow, steady, march, context.observer);
+        let found = self.crew.all(Order::SearchSteadyFlow, search)?;
+        let found = self.with_equilibrium(found, context);
         let loads = wall_loads(&self.flow, &found.report);
         context.statistics.start_from_steady(&found, &loads);
         let SteadyFlow { report, reliability, .. } = found;
@@ -48,26 +42,17 @@ where
         Ok([row, self.observed()].concat())
     }
 
-    /// Lets bodies and the mesh go from the steady flow that was `found` with bodies held, until all are in equilibrium.
-    fn release_bodies(
-        &mut self,
-        steady: &Steady,
-        context: &RunContext,
-        found: &mut SteadyFlow<M>,
-    ) -> anyhow::Result<()> {
-        let (case, flow, march) = (self.case, &*self.flow, &mut self.march);
-        unheld_in_equilibrium(case).iter().for_each(|text| context.observer.say(&format!("warning: {text}")));
-        let release = || steady_search::release_bodies(case, flow, steady, march);
-        let Equilibrium { report, slabs, steps, iterations } = self.crew.all(Order::ReleaseBodies, release)?;
+    /// The steady flow with the loads of the equilibrium, if bodies were released.
+    fn with_equilibrium(&self, Found { mut flow, equilibrium }: Found<M>, context: &RunContext) -> SteadyFlow<M> {
+        let Some(Equilibrium { report, slabs, steps, iterations }) = equilibrium else { return flow };
         context
             .observer
             .say(&format!("equilibrium of flow and bodies: {slabs} slabs  newton {steps}  krylov {iterations}"));
-        let discretisation = Discretisation { order: flow.order, time_order: 1, dissipative: false };
-        found.stages.push(Stage { discretisation, steps, iterations, converged: true });
+        let discretisation = Discretisation { order: self.flow.order, time_order: 1, dissipative: false };
+        flow.stages.push(Stage { discretisation, steps, iterations, converged: true });
         // Newton's residual is that of the steady flow: the one of the last slab is relative to a slab that hardly changes anything.
-        let (newton, residual_norms) = (std::mem::take(&mut found.report.newton), found.report.residual_norms);
-        found.report = SlabReport { newton, residual_norms, ..report };
-        Ok(())
+        let SlabReport { newton, residual_norms, .. } = flow.report;
+        SteadyFlow { report: SlabReport { newton, residual_norms, ..report }, ..flow }
     }
 }
 
@@ -91,12 +76,4 @@ fn warning(reliability: &Reliability) -> Option<String> {
         }
     };
     Some(format!("the steady flow is unstable: marched in time, {seen}; {resolution}. {meaning}"))
-}
-
-/// A solve for the steady flow, in one line.
-fn told(stage: &Stage) -> String {
-    let Stage { discretisation: Discretisation { order, dissipative, .. }, steps, iterations, converged } = stage;
-    let flux = if *dissipative { ", dissipative flux" } else { "" };
-    let end = if *converged { "" } else { "  given up" };
-    format!("steady flow of order {order}{flux}: newton {steps}  krylov {iterations}{end}")
 }

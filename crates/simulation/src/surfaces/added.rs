@@ -6,8 +6,12 @@ use coupled::rounded_time;
 /// The walls with distributions in `case` of which the run with the resolved case `before` kept none.
 pub fn added<const D: usize>(case: &Case<D>, before: &str) -> Vec<String> {
     let Ok(there) = walls_with_series_of(before) else { return Vec::new() };
-    let listed = case.output.surfaces.iter().filter(|_| case.output.surfaces_every.is_some());
-    listed.filter(|wall| !there.contains(wall)).cloned().collect()
+    listed(case).into_iter().filter(|wall| !there.contains(wall)).collect()
+}
+
+/// The walls of `case` with distributions over time.
+pub fn listed<const D: usize>(case: &Case<D>) -> Vec<String> {
+    case.output.surfaces.iter().filter(|_| case.output.surfaces_every.is_some()).cloned().collect()
 }
 
 /// A warning if the means along the walls `added`, of which there is no distribution before the time `begin`, cover less than the other averages.

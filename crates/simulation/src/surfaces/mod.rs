@@ -19,7 +19,7 @@ mod files;
 mod mean;
 mod section;
 
-pub use added::{added, late_means};
+pub use added::{added, late_means, listed};
 pub use case::surface_name;
 pub use columns::{Column, columns};
 pub use distribution::{SurfaceFlow, physical};

@@ -3,10 +3,16 @@
 use super::super::data::{FailureData, Motion};
 use super::{Cause, number, rises};
 
+/// Nothing holds a body that is to find its equilibrium.
+pub fn unheld(data: &FailureData) -> Option<Cause> {
+    let [what, remedy] = data.bodies.as_ref()?.unheld.clone()?;
+    Some(Cause { name: "unheld_body", likelihood: 0.95, what, remedy })
+}
+
 /// A body crosses its cells within one slab: it is too soft, or the slab too long.
 pub fn far_in_one_slab(data: &FailureData) -> Option<Cause> {
-    let travel = data.bodies?.travel;
-    Some(Cause {
+    let travel = data.bodies.as_ref()?.travel;
+    (travel > 0.01 || travel.is_nan()).then(|| Cause {
         name: "body_far_in_one_slab",
         likelihood: 0.02 + 0.9 * rises(travel, 0.5),
         what: format!("the flow moves the body by {} thicknesses of cells in one slab", number(travel)),
@@ -31,9 +37,9 @@ pub fn folding_weights(data: &FailureData) -> Option<Cause> {
 
 /// The fluid that moves with a body is much heavier than the body. This matters most in the first slabs.
 pub fn light_body(data: &FailureData) -> Option<Cause> {
-    let ratio = data.bodies?.added_mass;
+    let ratio = data.bodies.as_ref()?.added_mass;
     let recent = 1.0 / (1.0 + data.attempt.slabs_done as f64 / 20.0);
-    Some(Cause {
+    (ratio > 1.0).then(|| Cause {
         name: "light_body",
         likelihood: 0.02 + 0.9 * recent * rises(ratio, 30.0),
         what: format!("the body is light: a volume of fluid of its size weighs {} times as much", number(ratio)),

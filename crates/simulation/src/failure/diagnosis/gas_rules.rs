@@ -45,6 +45,9 @@ pub fn opening(data: &FailureData) -> Option<Cause> {
     })
 }
 
+/// A boundary condition and the gas beside it that differ by less agree.
+const SLIGHT: f64 = 0.01;
+
 /// A boundary condition disagrees with the gas beside it.
 pub fn boundary_condition(data: &FailureData) -> Option<Cause> {
     let gas = data.gas.as_ref()?;
@@ -57,6 +60,9 @@ pub fn boundary_condition(data: &FailureData) -> Option<Cause> {
     };
     let (start, last) = (weighed(&gas.at_start.mismatch, weight), weighed(&gas.last.mismatch, 0.5));
     let (likelihood, mismatch) = [start, last].into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    if mismatch.size < SLIGHT {
+        return None;
+    }
     let Mismatch { boundary, quantity, inside, target_state, .. } = mismatch;
     // Nobody is told to take the steady start that the run has, or that has just failed.
     let steady = match gas.start {

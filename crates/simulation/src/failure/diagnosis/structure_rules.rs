@@ -2,6 +2,7 @@
 
 use super::super::data::{BadLoad, FailureData};
 use super::{Cause, number, rises};
+use elasticity::NEARLY_INCOMPRESSIBLE;
 
 /// The formula of a load has no value.
 pub fn bad_load(data: &FailureData) -> Option<Cause> {
@@ -90,6 +91,6 @@ pub fn nearly_incompressible(data: &FailureData) -> Option<Cause> {
         name: "nearly_incompressible",
         likelihood: 0.8 * rises(1.0 / (1.0 - 2.0 * nu), 1e3),
         what: format!("the material is nearly incompressible, with Poisson's ratio {nu}"),
-        remedy: "take `structure.poisson_ratio` of 0.49 or less".into(),
+        remedy: format!("take `structure.poisson_ratio` of {NEARLY_INCOMPRESSIBLE} or less"),
     })
 }

@@ -5,6 +5,7 @@ use super::resolution::{free_flow, layer, poor_cells, quadrature, slab_length};
 use super::scales::{MotionScales, on_walls, speed_at_start};
 use super::{gas, streams};
 use case::{Flow, Motion, Preconditioner};
+use elasticity::NEARLY_INCOMPRESSIBLE;
 use navier_stokes::{Boundary, Riemann};
 use simulation::{
     PrescribedNode, jump_of_centrifugal_force, speed_of_bodies_at_start, unheld_in_equilibrium, wall_that_bulges,
@@ -208,18 +209,15 @@ fn mach<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
     }
 }
 
-/// Poisson's ratio from which a material is nearly incompressible.
-const INCOMPRESSIBLE: f64 = 0.49;
-
 /// Nearly incompressible structures lock at low orders. At 0.49999 a beam of order 3 bends by 14 % too little.
 fn incompressible<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
     let ratio = facts.case.structure.as_ref()?.largest.poisson_ratio;
-    if ratio <= INCOMPRESSIBLE {
+    if ratio <= NEARLY_INCOMPRESSIBLE {
         return None;
     }
     let text = format!(
         "`structure.poisson_ratio` of {ratio} is nearly that of an incompressible material: low orders are too stiff, and Newton's method may \
-         fail; {INCOMPRESSIBLE} or less, or a mesh of order 6 or more"
+         fail; {NEARLY_INCOMPRESSIBLE} or less, or a mesh of order 6 or more"
     );
     warning("Poisson's ratio", text)
 }

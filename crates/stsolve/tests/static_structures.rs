@@ -1,0 +1,159 @@
+//! Structures in equilibrium with their loads: static analyses, and bodies on which nothing acts.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{assert_same_bits, column, finished, number, on_case, on_text, stsolve};
+use tempfile::TempDir;
+
+/// 23.96 is the accepted deflection in the literature, and the load is proportional to time.
+#[test]
+fn cooks_membrane_has_the_deflection_of_the_literature() {
+    let directory = TempDir::new().unwrap();
+    let summary = finished(directory.path(), "cooks_membrane", &[]);
+    let run = directory.path().join("cooks_membrane");
+    let tip = column(&run, "tip_y");
+    assert!((tip[3] - 23.96).abs() < 0.02, "{tip:?}");
+    for (step, y) in tip.iter().enumerate() {
+        assert!((y - 0.25 * (step + 1) as f64 * tip[3]).abs() < 1e-9, "step {step}: {y}");
+    }
+    // Clapeyron: the strain energy is half of load times displacement, and the balance is closed.
+    let (strain, energy) = (column(&run, "strain_energy")[3], number(&summary, "structure.energy"));
+    assert_eq!(strain, energy);
+    assert!(column(&run, "kinetic_energy").iter().all(|kinetic| *kinetic == 0.0));
+    assert!(number(&summary, "structure.energy_error").abs() < 1e-9 * energy, "{summary}");
+    // In plane strain the sheet is stiffer.
+    let strain = on_case(directory.path(), "run", "cooks_membrane", &["structure.plane=\"strain\""], "strain", &[]);
+    strain.expect(0, &[]);
+    assert!(column(&directory.path().join("strain"), "tip_y")[3] < 0.97 * tip[3]);
+}
+
+/// A formula that is a number gives the same as the number; a run with one that varies resumes with the same bits.
+#[test]
+fn constants_may_be_formulas_of_position() {
+    let directory = TempDir::new().unwrap();
+    let run = |set: &[&str], output: &str, extra: &[&str]| {
+        on_case(directory.path(), "run", "cooks_membrane", set, output, extra).expect(0, &[]);
+        column(&directory.path().join(output), "tip_y")
+    };
+    let (number, formula) = (run(&[], "number", &[]), run(&["structure.poisson_ratio=\"1/3+0*x\""], "formula", &[]));
+    assert!((number[3] / formula[3] - 1.0).abs() < 1e-10, "{number:?} {formula:?}");
+    let until = |end: &'static str| {
+        ["structure.young_modulus=\"1+x/48\"", "structure.poisson_ratio=\"0.1+0.3*y/60\"", end].to_vec()
+    };
+    let (half, whole) = (until("time={order=2,end=0.5,step=0.25}"), until("time={order=2,end=1,step=0.25}"));
+    let through = run(&whole, "through", &["--threads", "1"]);
+    assert!(through[3] < 0.9 * number[3]);
+    run(&half, "resumed", &["--threads", "2"]);
+    run(&whole, "resumed", &["--threads", "2", "--resume"]);
+    assert_same_bits(&directory.path().join("through"), &directory.path().join("resumed"), "statics");
+}
+
+#[test]
+fn what_a_static_analysis_does_not_take_is_refused() {
+    let directory = TempDir::new().unwrap();
+    for (set, parts) in [
+        ("structure.initial.velocity=[0,1]", &["`structure.initial.velocity` has no effect on a static analysis"][..]),
+        ("structure.natural_modes=2", &["missing key `density`"]),
+        ("structure.analysis=\"dynamic\"", &["missing key `density`", "static"]),
+        ("structure.poisson_ratio=\"x/48\"", &["Poisson's ratio is out of range", "below 0.5"]),
+        ("structure.young_modulus=\"x-20\"", &["Young's modulus is out of range", "a positive number"]),
+        ("structure.boundary.left=\"free\"", &["can move as a rigid body", "give a support"]),
+    ] {
+        on_case(directory.path(), "run", "cooks_membrane", &[set], "run", &[]).expect(2, parts);
+    }
+    let extruded = ["mesh.extrude={depth=1,layers=1}", "structure.points={}", "structure.boundary.right=\"free\""];
+    on_case(directory.path(), "run", "cooks_membrane", &extruded, "run", &[])
+        .expect(2, &["`structure.plane` has no effect on a three-dimensional body"]);
+}
+
+/// A body of the linear law, or another one, on a mesh of `order`; the displacements of the point `a` along x.
+fn tip(order: usize, body: &str, time: &str) -> Vec<f64> {
+    let directory = TempDir::new().unwrap();
+    let text = format!(
+        "mesh = {{ order = {order}, generate.box = {{ lower = [0, 0], upper = [1, 1], cells = [2, 2] }} }}\ntime = {{ {time} }}\n[structure]\n\
+         poisson_ratio = 0.3\ndensity = 1\npoints = {{ a = [1, 1] }}\n{body}"
+    );
+    std::fs::write(directory.path().join("case.toml"), text).unwrap();
+    stsolve(directory.path(), &["run", "case.toml", "--output", "run", "--quiet"]).expect(0, &[]);
+    column(&directory.path().join("run"), "a_x")
+}
+
+/// The forces in a body that moves as a rigid one are rounding, and cannot fall below it. The run failed at once, or when a vibration had decayed.
+#[test]
+fn a_body_without_forces_goes_on() {
+    let free = "young_modulus = 100\nboundary = { others = \"free\" }\n";
+    let moves = tip(2, &format!("{free}initial = {{ velocity = [1, 0] }}"), "order = 2, end = 1, slabs = 10");
+    assert!((moves.last().unwrap() - 1.0).abs() < 1e-12, "{moves:?}");
+    let struck = format!("{free}damping = {{ stiffness = 0.01 }}\ninitial = {{ velocity = [\"2*x\", 0] }}");
+    let drifts = tip(3, &struck, "order = 2, end = 20, slabs = 100");
+    assert!((drifts.last().unwrap() - 20.0).abs() < 1e-8, "{drifts:?}");
+    let carried = "analysis = \"static\"\nyoung_modulus = 1\nboundary = { left = { displacement = [\"t\", 0] }, others = \"free\" }\n";
+    let carried = tip(3, carried, "order = 1, end = 1, slabs = 4");
+    assert!((carried.last().unwrap() - 1.0).abs() < 1e-12, "{carried:?}");
+}
+
+/// A load that returns to zero leaves no force to which a residual could be compared.
+#[test]
+fn a_load_that_ends_leaves_no_displacement() {
+    let body = "analysis = \"static\"\nyoung_modulus = 1\nboundary = { left = \"fixed\", right = { traction = [\"0.01*max(0,1-t)\", 0] }, \
+                others = \"free\" }\n";
+    for law in ["linear", "neo_hookean", "st_venant_kirchhoff"] {
+        let x = tip(4, &format!("law = \"{law}\"\n{body}"), "order = 1, end = 2, slabs = 4");
+        assert!(x[0] > 1e-3 && x[1..].iter().all(|x| x.abs() < 1e-12), "{law}: {x:?}");
+    }
+}
+
+/// At the strains of metals P = mu (F - F^-T) + .. had lost the digits that the tolerance asks for.
+#[test]
+fn neo_hookean_bodies_have_small_strains_too() {
+    let pulled = |young: f64, traction: f64| {
+        let body = format!(
+            "analysis = \"static\"\nlaw = \"neo_hookean\"\nyoung_modulus = {young:e}\nboundary = {{ left = {{ held = [\"x\"] }}, bottom = {{ held = \
+             [\"y\"] }}, right = {{ traction = [\"{traction:e}*t\", 0] }}, top = \"free\" }}\n"
+        );
+        *tip(4, &body, "order = 1, end = 1, slabs = 10").last().unwrap()
+    };
+    // Plane strain: (1 - nu^2) p / E
+    for (young, traction, tolerance) in [(2e11, 1e8, 1e-3), (2e11, 1e6, 1e-5), (1.0, 1e-9, 1e-8)] {
+        let (found, linear) = (pulled(young, traction), 0.91 * traction / young);
+        assert!((found / linear - 1.0).abs() < tolerance, "{traction:e}: {found:e} for {linear:e}");
+    }
+}
+
+/// It was told as bad input, with the advice to take shorter slabs.
+#[test]
+fn a_static_load_that_has_no_equilibrium_is_a_failed_solve() {
+    let directory = TempDir::new().unwrap();
+    let text = "mesh = { order = 3, generate.box = { lower = [0, 0], upper = [1, 0.1], cells = [6, 1] } }
+                time = { order = 1, end = 1, slabs = 1 }
+                [structure]
+                analysis = \"static\"
+                law = \"st_venant_kirchhoff\"
+                young_modulus = 2e5
+                poisson_ratio = 0.3
+                [structure.boundary]
+                left = \"fixed\"
+                right = { traction = [0, -1e5] }
+                others = \"free\"";
+    let parts = ["the equilibrium with the loads at the start was not found", "grow from zero"];
+    on_text(directory.path(), text, &[], "run", &[]).expect(1, &parts);
+}
+
+/// A cantilever that bends by a quarter of its length, and a tenth as much.
+#[test]
+fn a_linear_law_that_is_bent_too_far_is_told() {
+    let directory = TempDir::new().unwrap();
+    for (traction, is_told) in [(7e-4, true), (7e-5, false)] {
+        let text = format!(
+            "mesh = {{ order = 3, generate.box = {{ lower = [0, 0], upper = [1, 0.1], cells = [6, 1] }} }}
+             time = {{ order = 1, end = 1, slabs = 1 }}
+             structure = {{ analysis = \"static\", young_modulus = 1, poisson_ratio = 0.3 }}
+             structure.boundary = {{ left = \"fixed\", right = {{ traction = [0, {traction:e}] }}, others = \"free\" }}"
+        );
+        let run = on_text(directory.path(), &text, &[], "run", &["--force"]);
+        run.expect(0, &[]);
+        assert_eq!(run.stderr.contains("is for small displacements"), is_told, "{}", run.stderr);
+    }
+}
