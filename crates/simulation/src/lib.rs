@@ -203,5 +203,5 @@ pub use openings::{Misuse, Record as OpeningRecord, Seen as OpeningSeen};
 pub use preflight::Preflight;
 pub use probe::{MeshOverRun, ProbeError, Timing};
 pub use record::LOG_FILE;
-pub use stored_field::{Outside, StoredField};
+pub use stored_field::StoredField;
 pub use surfaces::{Column as SurfaceColumn, columns as surface_columns, surface_name};

@@ -13,7 +13,7 @@ use super::{bodies, checkpoint, fallback, motion_jump, surfaces};
 use crate::error::Failure;
 use case::{
     AllowedChange, Case, Flow, Time, bodies_of, differences, gas_of, motion_of, quadrature_of, reference_pressure_of,
-    start_of,
+    searches_steady_flow, start_of,
 };
 use coupled::block::BodyState;
 use coupled::{Linearisation, MeshMotion, MeshMover, State, rounded_time};
@@ -21,7 +21,7 @@ use fem::{Layout, Orders};
 use mesh::NodeNumbering;
 use navier_stokes::Conserved;
 use other_mesh::{forget_cells, late_averages};
-use output::{Checkpoint, RESULT_FILE, ResultReader, Series, SolverState};
+use output::{Arrays, Checkpoint, RESULT_FILE, ResultReader, Series, SolverState};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -129,6 +129,7 @@ impl Origin {
         warnings.extend(warning);
         state.boundary_jumps = self.jumps(case, mover, &state);
         warnings.extend(self.misunderstood_start(case, state.time)?);
+        warnings.extend(self.unfinished_search(case, &state, &sums)?);
         let added_walls = match is_other_mesh {
             true => surfaces::listed(case),
             false => surfaces::added(case, &metadata.case_text),
@@ -160,6 +161,25 @@ impl Origin {
         let checkpoint = continued.into();
         let (surfaces, is_on_other_mesh) = (Vec::new(), is_other_mesh);
         Ok(Start { checkpoint, warnings, surfaces, added_walls, is_on_other_mesh, searches_anew, is_measured_anew })
+    }
+
+    /// A warning if the run has not finished its search for a steady flow, and this one does not search.
+    fn unfinished_search<const D: usize>(
+        &self,
+        case: &Case<D>,
+        state: &State,
+        sums: &Arrays,
+    ) -> Result<Option<String>, RestartError> {
+        let searches =
+            searches_steady_flow(&self.result.metadata.case_text).map_err(|reason| self.unreadable(reason))?;
+        let found = sums.get("statistics.steady").is_some_and(|steady| !steady.is_empty());
+        let is_initial = state.slab == 0 && searches && !found && case.solver.steady.is_none();
+        Ok(is_initial.then(|| {
+            format!(
+                "the search for a steady flow in `{}` was not finished: this run begins with its initial state; `stsolve run --resume` finishes it",
+                self.path.display()
+            )
+        }))
     }
 
     /// A warning if `time.start` is neither that of the run nor the `time` from which this case goes on.
@@ -296,7 +316,7 @@ impl Origin {
     /// A warning if the motion of the mesh changes its velocity at once.
     fn jump_of_velocity<const D: usize>(&self, case: &Case<D>, mover: &MeshMover<D>, state: &State) -> Option<String> {
         let path = self.path.display();
-        let before = match motion_of(&self.result.metadata.case_text, &case.mesh) {
+        let before = match motion_of(&self.result.metadata.case_text, case) {
             Ok(motion) => Case { motion, ..case.clone() },
             Err(reason) => {
                 return Some(format!("the velocities of the motion in `{path}` cannot be compared: {reason}"));

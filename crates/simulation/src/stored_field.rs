@@ -5,7 +5,6 @@ use crate::opening_states::{by_node, dot_of};
 use fem::functions_at;
 use mesh::CellMap;
 use rayon::prelude::*;
-use std::array::from_fn;
 
 /// A field at one time, a polynomial in each cell with values at Gauss-Lobatto nodes.
 pub struct StoredField<const D: usize> {
@@ -13,27 +12,6 @@ pub struct StoredField<const D: usize> {
     components: usize,
     /// `[cell][component][node]`
     coefficients: Vec<f64>,
-}
-
-/// Points outside of all cells.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Outside {
-    /// Their number.
-    pub points: usize,
-    /// Their largest distance from the nearest cell.
-    pub distance: f64,
-    /// The same relative to the size of that cell.
-    pub relative: f64,
-}
-
-impl Outside {
-    fn of<const D: usize>(finder: &CellFinder<D>, places: &[Place<D>]) -> Self {
-        places.iter().filter(|place| place.distance > 0.0).fold(Outside::default(), |all, place| Outside {
-            points: all.points + 1,
-            distance: all.distance.max(place.distance),
-            relative: all.relative.max(place.distance / finder.size(place.cell)),
-        })
-    }
 }
 
 impl<const D: usize> StoredField<D> {
@@ -86,23 +64,16 @@ impl<const D: usize> StoredField<D> {
         points.par_iter().flat_map_iter(at).collect()
     }
 
-    /// The components at `points`, `[point][component]`, or at the nearest places of the cells of `finder`, and what is outside of these. Each
-    /// `group` of points is close together: the nodes of a cell.
-    ///
-    /// # Panics
-    /// If there are no cells.
-    pub fn at_nearest(&self, finder: &CellFinder<D>, points: &[[f64; D]], group: usize) -> (Vec<f64>, Outside) {
-        let places = |points: &[[f64; D]]| {
-            let bound =
-                |pick: fn(f64, f64) -> f64, i: usize| points.iter().map(|x| x[i]).reduce(pick).unwrap_or(f64::NAN);
-            let [lower, upper] = [from_fn(|i| bound(f64::min, i)), from_fn(|i| bound(f64::max, i))];
-            let cells = finder.around([&lower, &upper]);
-            let place = |x| finder.nearest(&cells, x).expect("a mesh has cells");
-            points.iter().map(place).collect::<Vec<_>>()
-        };
-        let places: Vec<_> = points.par_chunks(group).flat_map_iter(places).collect();
-        let values = places.par_iter().flat_map_iter(|place| self.at(place.cell, &place.xi)).collect();
-        (values, Outside::of(finder, &places))
+    /// The components at `places` in its cells, `[place][component]`.
+    pub fn at_places(&self, places: &[Place<D>]) -> Vec<f64> {
+        places.par_iter().flat_map_iter(|place| self.at(place.cell, &place.xi)).collect()
+    }
+
+    /// The means of the components over the reference cell of a cell.
+    pub fn means(&self, cell: usize) -> Vec<f64> {
+        let weights = basis::gauss_lobatto(self.order).tensor_weights(D);
+        let volume: f64 = weights.iter().sum();
+        self.of_functions(cell, &weights).map(|sum| sum / volume).collect()
     }
 
     /// det J at reference points in all cells, `[cell][point]`, of a field of positions. `None` if the field has not D components.

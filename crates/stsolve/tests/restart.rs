@@ -370,6 +370,49 @@ fn what_has_points_of_the_mesh_begins_anew_on_another_one() {
 
     let wider = go(&case(3, [2.4, 1.0]), "time.end=0.25", "wider", &[]);
     wider.expect(0, &["nodes lie outside of the mesh of", "up to 4.0e-1"]);
+    let part = go(&case(3, [0.02, 0.01]), "time.end=0.25", "part", &[]);
+    part.expect(0, &["this mesh is a small part", "x from 0 to 2, y from 0 to 1", "compare units"]);
     let millimetres = go(&case(3, [2000.0, 1000.0]), "time.end=0.25", "refused", &[]);
-    millimetres.expect(2, &["coordinates from 0 to 2;", "from 0 to 2000", "compare places and units"]);
+    millimetres.expect(2, &["there: x from 0 to 2, y from 0 to 1; here: x from 0 to 2000", "compare places and units"]);
+}
+
+/// The polynomials of a cell with a jump overshoot. Density and pressure of the new state were negative, and a vacuum \"in the initial state\" was
+/// blamed.
+#[test]
+fn a_jump_within_a_cell_gives_no_negative_pressure_on_another_mesh() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let case = |cells: usize, time: &str| {
+        let beside = |state: [f64; 2]| {
+            format!("far_field = {{ density = {}, pressure = {}, velocity = [0, 0] }}", state[0], state[1])
+        };
+        format!(
+            "mesh = {{ order = 2, generate.box = {{ lower = [0, 0], upper = [1, 0.1], cells = [{cells}, 1], periodic = [\"y\"] }} }}
+             time = {{ order = 2, {time} }}
+             [flow]
+             order = 6
+             initial.expression = {{ density = \"if(x<0.52,1,0.01)\", velocity = [0, 0], pressure = \"if(x<0.52,1,0.001)\" }}
+             boundary = {{ left.{}, right.{} }}
+             shock_capturing = {{}}
+             reference = {{ density = 1, speed = 1, pressure = 1 }}",
+            beside([1.0, 1.0]),
+            beside([0.01, 0.001])
+        )
+    };
+    on_text(at, &case(5, "end = 1e-9, step = 1e-9"), &[], "coarse", &[]).expect(0, &[]);
+    let start = [&from(at, "coarse")[..], "restart.allow=[\"mesh\"]"];
+    let run = on_text(at, &case(23, "end = 1e-4, step = 1e-4"), &start, "fine", &[]);
+    assert!(run.stderr.contains("nodes begin with the mean of a cell there"), "{}", run.stderr);
+    assert!(!run.stderr.contains("initial state"), "{}", run.stderr);
+}
+
+/// A run whose search for a steady flow was not finished has the initial state, which was taken without a word.
+#[test]
+fn a_search_that_was_not_finished_is_told() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let steady = "time = { order = 1, end = 0.1, step = 0.1 }\nsolver.steady = { steps = 1, sequence = false }";
+    on_text(at, &wall(3, [2.0, 1.0], steady), &[], "unfinished", &[]).expect(1, &[]);
+    let marched = wall(3, [2.0, 1.0], "time = { order = 1, end = 0.1, step = 0.1 }");
+    on_text(at, &marched, &[&from(at, "unfinished")], "marched", &[]).expect(0, &["was not finished", "--resume"]);
 }

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Outcome, column, number, on_case, summary};
+use common::{Outcome, column, number, on_case, on_text, summary};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -125,4 +125,31 @@ fn a_jump_that_is_allowed_is_made_in_a_whole_slab() {
     assert!(times[rows + 1] - times[rows] < times[rows] - times[rows - 1], "the next slab is shortened");
     let work = column(&at.join("jumped"), "piston_drive_work");
     assert!((work[rows] - work[rows - 1]).abs() < 1.0, "{work:?}");
+}
+
+/// A cylinder on springs, with the motion of the far boundary alone.
+const CYLINDER: &str = "
+    mesh = { order = 3, generate.annulus = { inner_radius = 0.5, outer_radius = 10, first_cell = 0.3, cells = [8, 4] } }
+    motion.boundary = { far = \"fixed\" }
+    time = { order = 2, end = 0.2, step = 0.2 }
+    [flow]
+    order = 3
+    gas = { gamma = 1.4, prandtl = 0.72, mach = 0.2, viscosity.constant = 0.05 }
+    initial.uniform = { density = 1, velocity = [1, 0], mach = 0.2 }
+    boundary = { wall.adiabatic_wall = {}, far.far_field = { density = 1, velocity = [1, 0], mach = 0.2 } }
+    [bodies.b]
+    walls = [\"wall\"]
+    mass = 2
+    x = { spring = 1 }";
+
+/// The wall of a body was taken for one without a motion: \"the velocities of the motion cannot be compared\".
+#[test]
+fn the_motion_of_bodies_is_compared_without_a_warning() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    on_text(at, CYLINDER, &[], "first", &[]).expect(0, &[]);
+    let from = format!("restart.from={}", at.join("first").display());
+    let run = on_text(at, CYLINDER, &[&from, "time.end=0.4"], "second", &[]);
+    run.expect(0, &[]);
+    assert!(!run.stderr.contains("WARN"), "{}", run.stderr);
 }

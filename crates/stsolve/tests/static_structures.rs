@@ -149,8 +149,11 @@ fn a_linear_law_that_is_bent_too_far_is_told() {
         let text = format!(
             "mesh = {{ order = 3, generate.box = {{ lower = [0, 0], upper = [1, 0.1], cells = [6, 1] }} }}
              time = {{ order = 1, end = 1, slabs = 1 }}
-             structure = {{ analysis = \"static\", young_modulus = 1, poisson_ratio = 0.3 }}
-             structure.boundary = {{ left = \"fixed\", right = {{ traction = [0, {traction:e}] }}, others = \"free\" }}"
+             [structure]
+             analysis = \"static\"
+             young_modulus = 1
+             poisson_ratio = 0.3
+             boundary = {{ left = \"fixed\", right = {{ traction = [0, {traction:e}] }}, others = \"free\" }}"
         );
         let run = on_text(directory.path(), &text, &[], "run", &["--force"]);
         run.expect(0, &[]);

@@ -1,5 +1,6 @@
 //! What moves walls of the mesh: rigid bodies and a structure.
 
+use super::Case;
 use super::bodies::RigidBody;
 use super::flow::Flow;
 use super::mesh_crate::{Mesh, NodeNumbering};
@@ -13,7 +14,6 @@ use std::collections::BTreeSet;
 const STRUCTURE: &str = "the structure";
 
 /// The walls that rigid bodies and a structure move.
-#[derive(Default)]
 pub(super) struct Movers {
     /// The name of each in errors, and its walls.
     pub(super) walls: Vec<(String, Vec<usize>)>,
@@ -22,6 +22,15 @@ pub(super) struct Movers {
 }
 
 impl Movers {
+    /// Those of a whole `case`.
+    pub(super) fn of<const D: usize>(case: &Case<D>) -> Self {
+        let bodies = case.bodies.iter().map(|body| (body.name.clone(), body.walls.clone()));
+        let part = case.structure.as_ref().and_then(|structure| structure.part.as_ref());
+        let structure = part.map(|part| (STRUCTURE.to_owned(), part.walls.clone()));
+        let by_weights = case.bodies.iter().any(|body| body.mesh.is_some());
+        Movers { walls: bodies.chain(structure).collect(), by_weights }
+    }
+
     /// The walls of `bodies` and of a `structure` beside the `flow` on `mesh`.
     pub(super) fn new<const D: usize>(
         checker: &Checker<'_>,

@@ -1,7 +1,7 @@
 //! Reads a resolved case, as a result file holds it.
 
 use super::movers::Movers;
-use super::{AllowedChange, AnyCase, Flow, Freedom, Motion, RigidBody, checker_of, mesh_crate, motion, time};
+use super::{AllowedChange, AnyCase, Case, Flow, Freedom, Motion, RigidBody, checker_of, motion, time};
 use crate::checker::{OTHERS, Sound};
 use crate::document::Document;
 use crate::error::CaseError;
@@ -92,6 +92,14 @@ pub fn start_of(resolved: &str) -> Result<f64, String> {
     Ok(raw::from_toml(resolved)?.time.start)
 }
 
+/// Whether the run of a resolved case begins with a search for a steady flow.
+///
+/// # Errors
+/// As [`gas_of`].
+pub fn searches_steady_flow(resolved: &str) -> Result<bool, String> {
+    Ok(raw::from_toml(resolved)?.solver.steady.is_some())
+}
+
 /// The coordinates of the rigid bodies of a resolved case, body after body.
 ///
 /// # Errors
@@ -133,14 +141,11 @@ pub fn quadrature_of(resolved: &str) -> Result<Option<String>, String> {
     Ok(raw.flow.as_ref().map(text))
 }
 
-/// The motion that a resolved case, as text, gives to `mesh`.
+/// The motion that a resolved case, as text, gives to the mesh of `here`, a case with the same bodies and walls of a structure.
 ///
 /// # Errors
 /// The error of `resolved`, which another version of the program may have written.
-pub fn motion_of<const D: usize>(
-    resolved: &str,
-    mesh: &mesh_crate::Mesh<D>,
-) -> Result<Option<Motion<D>>, Box<CaseError>> {
+pub fn motion_of<const D: usize>(resolved: &str, here: &Case<D>) -> Result<Option<Motion<D>>, Box<CaseError>> {
     let document = Document::parse(Path::new("case"), resolved.to_owned(), &[])?;
     let Read { case, errors, damage } = reading::read(&document)?;
     errors.all()?;
@@ -148,7 +153,7 @@ pub fn motion_of<const D: usize>(
     let Sound { checker, errors } = checker_of(&document, &raw, damage);
     errors.all()?;
     let time = time::check(&checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some())?;
-    motion::check(&checker, raw.motion.as_ref(), mesh, &Movers::default(), &time)
+    motion::check(&checker, raw.motion.as_ref(), &here.mesh, &Movers::of(here), &time)
 }
 
 /// The reference pressure of a resolved case with a flow.

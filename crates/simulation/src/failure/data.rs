@@ -214,6 +214,8 @@ pub enum FlowStart {
     SteadyFlow,
     /// From a uniform stream, which the walls stop at once.
     UniformStream,
+    /// From the state of another run.
+    OtherRun,
     /// From any other state.
     OtherState,
 }

@@ -208,6 +208,7 @@ where
     fn flow_start(&self) -> FlowStart {
         match &self.flow.initial {
             _ if self.case.solver.steady.is_some() => FlowStart::SteadyFlow,
+            _ if self.case.restart.is_some() => FlowStart::OtherRun,
             State::Uniform(_) => FlowStart::UniformStream,
             _ => FlowStart::OtherState,
         }

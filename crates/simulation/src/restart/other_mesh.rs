@@ -4,16 +4,17 @@
 //! u_i = u'(x_i),   u' the polynomials there, x_i the nodes of the flow here                                             (interpolated)
 //! ```
 //!
-//! Where the other mesh does not reach, u' is taken at its nearest place. Mass, momentum and energy change by the error of interpolation.
+//! Where the other mesh does not reach, u' is taken at its nearest place; where u' is no gas, the mean of its cell. Mass, momentum and energy change by the error of interpolation.
 
 use super::{Loaded, Origin, RestartError};
 use crate::averages::is_of_averages;
-use crate::cell_finder::CellFinder;
-use crate::stored_field::{Outside, StoredField};
+use crate::cell_finder::{CellFinder, Place};
+use crate::stored_field::StoredField;
 use case::{AllowedChange, Case};
 use coupled::{MeshMover, State};
 use fem::{Orders, Sampler};
 use mesh::Mesh;
+use navier_stokes::Primitive;
 use newton_krylov::inner_product::largest;
 use output::{Arrays, RestMesh};
 use std::array::from_fn;
@@ -27,6 +28,9 @@ const ALLOW_MESH: &str = "; `restart.allow = [\"mesh\"]` interpolates the flow";
 
 /// Nodes outside the other mesh are on its boundary if they are nearer to it than this part of its cell there.
 const TOUCHING: f64 = 0.01;
+
+/// A mesh that is smaller than this part of the other one along all axes is perhaps in another unit.
+const SMALL_PART: f64 = 0.05;
 
 impl Origin {
     /// The mesh at rest must be the same, up to round-off, unless the case allows another one. Returns whether it is another one.
@@ -111,8 +115,11 @@ impl Origin {
         let fields = (StoredField::new(D, position, cells), StoredField::new(M, state.u.clone(), cells));
         let (Some(positions), Some(flow)) = fields else { return Err(self.incomplete()) };
         let (points, nodes) = (nodes_of_flow(&case.mesh, to), to.flow.pow(D as u32));
-        let (values, outside) = flow.at_nearest(&CellFinder::<D>::new(&positions), &points, nodes);
-        let warning = self.judge(case, &outside, points.len())?;
+        let finder = CellFinder::<D>::new(&positions);
+        let places = finder.places(&points, nodes);
+        let mut values = flow.at_places(&places);
+        let means = keep_admissible::<D, M>(case, &flow, &places, &mut values);
+        let warning = self.judge(case, &Outside::of(&finder, &places), [points.len(), means])?;
         let of_cell = |cell: &[f64]| (0..M * nodes).map(|i| cell[i % nodes * M + i / nodes]).collect::<Vec<_>>();
         let u = values.chunks_exact(M * nodes).flat_map(of_cell).collect();
         let (slab, nominal, bodies, step) = (state.slab, state.nominal, state.bodies.clone(), state.step);
@@ -120,25 +127,43 @@ impl Origin {
         Ok((State { slab, nominal, bodies, step, ..there }, warning))
     }
 
-    /// An error if most nodes are `outside`: a mesh in another unit or place. A warning if some are.
+    /// An error if most nodes are `outside`: a mesh in another unit or place. A warning if some are, or if some took `means`.
     fn judge<const D: usize>(
         &self,
         case: &Case<D>,
         outside: &Outside,
-        nodes: usize,
+        [nodes, means]: [usize; 2],
     ) -> Result<Option<String>, RestartError> {
         let Outside { points, distance, relative } = *outside;
+        let (there, here) = (self.extents::<D>(), extents(&by_axis::<D>(case.mesh.coordinates())));
         if 2 * points > nodes {
-            let [there, here] = [&self.result.metadata.mesh.position, case.mesh.coordinates()].map(extent);
-            let problem = format!("{here}: {points} of {nodes} nodes lie outside; compare places and units");
-            return Err(self.differs("the extent of the mesh", there, problem));
+            let problem = format!("{}: {points} of {nodes} nodes lie outside; compare places and units", told(&here));
+            return Err(self.differs("the extent of the mesh", told(&there), problem));
         }
-        Ok((relative > TOUCHING).then(|| {
-            format!(
-                "{points} of {nodes} nodes lie outside of the mesh of `{}`, up to {distance:.1e}: there the flow is that of its nearest place",
-                self.path.display()
-            )
-        }))
+        let path = self.path.display();
+        let is_part = (0..D).all(|i| here[i][1] - here[i][0] < SMALL_PART * (there[i][1] - there[i][0]));
+        let told = [
+            (relative > TOUCHING).then(|| {
+                format!(
+                    "{points} of {nodes} nodes lie outside of the mesh of `{path}`, up to {distance:.1e}: there the flow is that of its nearest place"
+                )
+            }),
+            (means > 0).then(|| {
+                format!(
+                    "between the nodes of `{path}` density or pressure are negative: {means} of {nodes} nodes begin with the mean of a cell there"
+                )
+            }),
+            is_part.then(|| format!("this mesh is a small part of that of `{path}`, {}: compare units", told(&there))),
+        ];
+        let told: Vec<String> = told.into_iter().flatten().collect();
+        Ok((!told.is_empty()).then(|| told.join("; ")))
+    }
+
+    /// The range of the positions along each axis.
+    fn extents<const D: usize>(&self) -> [[f64; 2]; D] {
+        let mesh = &self.result.metadata.mesh;
+        let nodes = mesh.position.len() / (D * self.cells_of_flow()).max(1);
+        extents(&from_fn(|i| mesh.position.chunks_exact(nodes).skip(i).step_by(D).flatten().copied().collect()))
     }
 
     /// Neither mesh may have moved, and there may be no structure.
@@ -174,11 +199,60 @@ pub(super) fn late_averages<const D: usize>(case: &Case<D>, time: f64) -> Option
     Some(format!("the averages begin anew on another mesh, at t = {time} and not at {from} (`output.averages.from`)"))
 }
 
-/// The range of the positions.
-fn extent(positions: &[f64]) -> String {
-    let (low, high) =
-        positions.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
-    format!("coordinates from {low} to {high}")
+/// Replaces `values`, `[place][component]`, that are no gas by the means of the cells of their `places`. Returns their number.
+fn keep_admissible<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &StoredField<D>,
+    places: &[Place<D>],
+    values: &mut [f64],
+) -> usize {
+    let Some(gas) = case.flow.as_ref().map(|flow| &flow.law.gas) else { return 0 };
+    let is_gas = |u: &[f64; M]| {
+        let Primitive { density, pressure, .. } = Primitive::<f64, D>::unpack(gas, u);
+        density > 0.0 && pressure > 0.0
+    };
+    let (values, _) = values.as_chunks_mut::<M>();
+    let bad = values.iter_mut().zip(places).filter(|(u, _)| !is_gas(u));
+    bad.map(|(u, place)| u.copy_from_slice(&flow.means(place.cell))).count()
+}
+
+/// Nodes outside of all cells of another mesh.
+struct Outside {
+    points: usize,
+    /// Their largest distance from the nearest cell.
+    distance: f64,
+    /// The same relative to the size of that cell.
+    relative: f64,
+}
+
+impl Outside {
+    fn of<const D: usize>(finder: &CellFinder<D>, places: &[Place<D>]) -> Self {
+        let none = Outside { points: 0, distance: 0.0, relative: 0.0 };
+        places.iter().filter(|place| place.distance > 0.0).fold(none, |all, place| Outside {
+            points: all.points + 1,
+            distance: all.distance.max(place.distance),
+            relative: all.relative.max(place.distance / finder.size(place.cell)),
+        })
+    }
+}
+
+/// Positions, `[node][component]`, as those along each axis.
+fn by_axis<const D: usize>(positions: &[f64]) -> [Vec<f64>; D] {
+    from_fn(|i| positions.iter().skip(i).step_by(D).copied().collect())
+}
+
+/// The range along each axis.
+fn extents<const D: usize>(positions: &[Vec<f64>; D]) -> [[f64; 2]; D] {
+    from_fn(|i| {
+        positions[i].iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &x| [low.min(x), high.max(x)])
+    })
+}
+
+/// Ranges in words.
+fn told<const D: usize>(extents: &[[f64; 2]; D]) -> String {
+    let short = |x: f64| format!("{x:.4e}").parse().unwrap_or(x);
+    let along = |(axis, [low, high]): (&str, &[f64; 2])| format!("{axis} from {} to {}", short(*low), short(*high));
+    ["x", "y", "z"].into_iter().zip(extents).map(along).collect::<Vec<_>>().join(", ")
 }
 
 /// The positions at rest of the nodes of the flow, `[cell][node]`.

@@ -4,12 +4,17 @@ use super::super::data::{Extreme, FailureData, FlowStart, Gas, Mismatch, Opening
 use super::{Cause, number, rises};
 use crate::openings::Misuse;
 
+/// Whether the run has begun with the initial state of its case.
+fn has_initial_state(gas: &Gas) -> bool {
+    gas.start != FlowStart::OtherRun
+}
+
 /// The density is nearly zero somewhere.
 pub fn near_vacuum(data: &FailureData) -> Option<Cause> {
     let gas = data.gas.as_ref()?;
     let likelihood = |lowest: f64| 1.0 - rises(lowest.max(0.0), 0.02);
     let (start, last) = (gas.at_start.lowest, gas.last.lowest);
-    let from_start = likelihood(start.value) >= 0.5 * likelihood(last.value);
+    let from_start = has_initial_state(gas) && likelihood(start.value) >= 0.5 * likelihood(last.value);
     let (Extreme { quantity, value, cell }, weight, when) =
         if from_start { (start, 0.95, "in the initial state") } else { (last, 0.55, "in the last good state") };
     Some(Cause {
@@ -58,7 +63,8 @@ pub fn boundary_condition(data: &FailureData) -> Option<Cause> {
     let weighed = |mismatch: &Option<Mismatch>, weight: f64| {
         mismatch.clone().map(|mismatch| (weight * rises(size(&mismatch), 0.7), mismatch))
     };
-    let (start, last) = (weighed(&gas.at_start.mismatch, weight), weighed(&gas.last.mismatch, 0.5));
+    let at_start = gas.at_start.mismatch.clone().filter(|_| has_initial_state(gas));
+    let (start, last) = (weighed(&at_start, weight), weighed(&gas.last.mismatch, 0.5));
     let (likelihood, mismatch) = [start, last].into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
     if mismatch.size < SLIGHT {
         return None;
@@ -66,7 +72,7 @@ pub fn boundary_condition(data: &FailureData) -> Option<Cause> {
     let Mismatch { boundary, quantity, inside, target_state, .. } = mismatch;
     // Nobody is told to take the steady start that the run has, or that has just failed.
     let steady = match gas.start {
-        FlowStart::SteadyFlow => "",
+        FlowStart::SteadyFlow | FlowStart::OtherRun => "",
         FlowStart::UniformStream | FlowStart::OtherState => ", or start from the steady flow (`solver.steady = {}`)",
     };
     Some(Cause {
@@ -143,7 +149,7 @@ fn steady_start(data: &FailureData, gas: &Gas) -> &'static str {
 
 /// The initial state jumps within cells.
 pub fn steep_start(data: &FailureData) -> Option<Cause> {
-    let gas = data.gas.as_ref()?;
+    let gas = data.gas.as_ref().filter(|gas| has_initial_state(gas))?;
     let Extreme { quantity, value, cell } = gas.at_start.steepest;
     Some(Cause {
         name: "steep_initial_state",
