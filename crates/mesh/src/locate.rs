@@ -32,8 +32,8 @@ pub fn locate_in_cell<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D])
     if is_near { invert(order, nodes, x, TOLERANCE * extent) } else { None }
 }
 
-/// The reference point of a cell that is nearest to `x`, and the distance of its position, as [`locate_in_cell`] for points near the cell: Newton's
-/// method within the reference cell.
+/// The reference point of a place in a cell near `x`, which lies outside of it, and the distance from there; arguments as in [`locate_in_cell`].
+/// Newton's method within the reference cell ends where it meets a side, so in skewed cells the distance is not quite the least.
 pub fn nearest_in_cell<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D]) -> ([f64; D], f64) {
     let (mut xi, mut best) = ([0.0; D], ([0.0; D], f64::INFINITY));
     for _ in 0..MAX_STEPS {
