@@ -130,13 +130,12 @@ impl Origin {
         state.boundary_jumps = self.jumps(case, mover, &state);
         warnings.extend(self.misunderstood_start(case, state.time)?);
         warnings.extend(self.unfinished_search(case, &state, &sums)?);
-        let added_walls = match is_other_mesh {
-            true => surfaces::listed(case),
-            false => surfaces::added(case, &metadata.case_text),
-        };
-        let late = match is_other_mesh {
-            true => late_averages(case, state.time),
-            false => surfaces::late_means(case, &added_walls, state.time),
+        let (added_walls, late) = if is_other_mesh {
+            (surfaces::listed(case), late_averages(case, state.time))
+        } else {
+            let added = surfaces::added(case, &metadata.case_text);
+            let late = surfaces::late_means(case, &added, state.time);
+            (added, late)
         };
         warnings.extend(late);
         let pressure_changes = gas_changed && case.allows(AllowedChange::Mach);

@@ -24,11 +24,15 @@ pub(super) struct Movers {
 impl Movers {
     /// Those of a whole `case`.
     pub(super) fn of<const D: usize>(case: &Case<D>) -> Self {
-        let bodies = case.bodies.iter().map(|body| (body.name.clone(), body.walls.clone()));
-        let part = case.structure.as_ref().and_then(|structure| structure.part.as_ref());
-        let structure = part.map(|part| (STRUCTURE.to_owned(), part.walls.clone()));
-        let by_weights = case.bodies.iter().any(|body| body.mesh.is_some());
-        Movers { walls: bodies.chain(structure).collect(), by_weights }
+        Self::unchecked(&case.bodies, case.structure.as_ref().and_then(|structure| structure.part.as_ref()))
+    }
+
+    /// The walls of `bodies` and of the `part` of a structure.
+    fn unchecked<const D: usize>(bodies: &[RigidBody<D>], part: Option<&SolidPart<D>>) -> Self {
+        let of_bodies = bodies.iter().map(|body| (format!("the body `{}`", body.name), body.walls.clone()));
+        let of_structure = part.map(|part| (STRUCTURE.to_owned(), part.walls.clone()));
+        let by_weights = bodies.iter().any(|body| body.mesh.is_some());
+        Movers { walls: of_bodies.chain(of_structure).collect(), by_weights }
     }
 
     /// The walls of `bodies` and of a `structure` beside the `flow` on `mesh`.
@@ -39,18 +43,15 @@ impl Movers {
         flow: Option<&Flow<D>>,
         mesh: &Mesh<D>,
     ) -> Checked<Self> {
-        let by_weights = bodies.iter().any(|body| body.mesh.is_some());
-        let mut walls: Vec<(String, Vec<usize>)> =
-            bodies.iter().map(|body| (format!("the body `{}`", body.name), body.walls.clone())).collect();
-        if let (Some(part), Some(flow)) = (structure.and_then(|structure| structure.part.as_ref()), flow) {
-            if by_weights {
+        let part = structure.and_then(|structure| structure.part.as_ref()).filter(|_| flow.is_some());
+        let movers = Self::unchecked(bodies, part);
+        if let (Some(part), Some(flow)) = (part, flow) {
+            if movers.by_weights {
                 let problem = "`bodies` move the whole mesh by weights, and a structure moves its walls";
                 return Err(checker.combination(&Key::new("structure"), problem, "bodies without the key `mesh`"));
             }
             check_structure_walls(checker, part, flow, mesh, bodies)?;
-            walls.push((STRUCTURE.to_owned(), part.walls.clone()));
         }
-        let movers = Movers { walls, by_weights };
         movers.check_apart(checker, mesh)?;
         Ok(movers)
     }

@@ -4,7 +4,8 @@
 //! u_i = u'(x_i),   u' the polynomials there, x_i the nodes of the flow here                                             (interpolated)
 //! ```
 //!
-//! Where the other mesh does not reach, u' is taken at its nearest place; where u' is no gas, the mean of its cell. Mass, momentum and energy change by the error of interpolation.
+//! Where the other mesh does not reach, u' is taken at its nearest place; where u' is no gas, the mean of its cell. Mass,
+//! momentum and energy change by the error of interpolation.
 
 use super::{Loaded, Origin, RestartError};
 use crate::averages::is_of_averages;
