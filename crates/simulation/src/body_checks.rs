@@ -76,7 +76,7 @@ pub fn beyond_linear<const D: usize>(case: &Case<D>, state: &coupled::State) -> 
     })
 }
 
-/// The warning of [`unheld`].
+/// The warning of what is to find its equilibrium though nothing holds it.
 pub fn unheld_in_equilibrium<const D: usize>(case: &Case<D>) -> Option<String> {
     unheld(case).map(|[what, remedy]| format!("{what}; {remedy}"))
 }
