@@ -24,6 +24,11 @@ pub(super) fn is_bounded(value: f64) -> bool {
     value.abs() <= LARGEST
 }
 
+/// Whether a `distance` is zero up to round-off of the `size` of the mesh.
+pub(super) fn is_round_off(distance: f64, size: f64) -> bool {
+    distance.abs() <= 1e-12 * size
+}
+
 /// The first number of the document that is not accepted, and what is wrong with it.
 pub(super) fn first_extreme(document: &DeTable<'_>) -> Option<(Key, Cause)> {
     let key = extreme_in_table(document, &Key::default())?;

@@ -151,7 +151,7 @@ fn volume_and_centroid<const D: usize>(map: &CellMap<D>, weights: &[f64], nodes:
 }
 
 /// The smallest box along the axes around the points of a `[point][D]` array.
-pub(crate) fn bounding_box<const D: usize>(points: &[f64]) -> ([f64; D], [f64; D]) {
+pub fn bounding_box<const D: usize>(points: &[f64]) -> ([f64; D], [f64; D]) {
     let (mut lower, mut upper) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
     for x in points.chunks_exact(D) {
         for i in 0..D {

@@ -78,7 +78,7 @@ pub use facet::{
     BoundaryFacet, InteriorFacet, Orientation, Side, axis_and_side, corner_node, face_nodes, outward_sign, tangent_sign,
 };
 pub use generate::{BoxMesh, Curving};
-pub use geometry::CellMap;
+pub use geometry::{CellMap, bounding_box};
 pub use gmsh::{FilePosition, GmshError, ListedElement, MeshLists, Numbers, Shape, Simplices, Span, is_su2};
 pub use locate::{locate_in_cell, nearest_in_cell};
 pub use mesh::{Mesh, ORDERS};

@@ -2,10 +2,15 @@
 
 use crate::Mesh;
 use crate::geometry::{CellMap, bounding_box};
+use crate::lattice::digit;
+use basis::gauss_lobatto;
+use std::array::from_fn;
 use tensor::{cofactor, determinant, dot, norm};
 
 /// Newton steps from the centre of a cell: in a usable cell fewer than ten are needed.
 const MAX_STEPS: usize = 30;
+/// Halvings of a step towards the nearest place; the last one is as small as round-off.
+const MAX_HALVINGS: i32 = 30;
 /// Positions agree if they differ by less than this fraction of the extent of the cell, reference coordinates by less than
 /// this.
 const TOLERANCE: f64 = 1e-10;
@@ -28,22 +33,60 @@ pub fn locate_in_cell<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D])
         let margin = 0.5 * (upper[i] - lower[i]);
         (lower[i] - margin..=upper[i] + margin).contains(&x[i])
     });
-    let extent = norm(&std::array::from_fn::<f64, D, _>(|i| upper[i] - lower[i]));
+    let extent = norm(&from_fn::<f64, D, _>(|i| upper[i] - lower[i]));
     if is_near { invert(order, nodes, x, TOLERANCE * extent) } else { None }
 }
 
-/// The reference point of a place in a cell near `x`, which lies outside of it, and the distance from there; arguments as in [`locate_in_cell`].
-/// Newton's method within the reference cell ends where it meets a side, so in skewed cells the distance is not quite the least.
+/// The nearest place to `x` in a cell, as its reference point and its distance; arguments as in [`locate_in_cell`].
+///
+/// ```text
+/// minimise f = |r|^2 / 2,  r = x(xi) - x,   |xi_a| <= 1:     xi := P( xi - t s ),   A s = J^T r                          (nearest)
+/// ```
+///
+/// A = J^T J without the axes on whose bounds xi stays, P clamps, and t is halved until f falls. The start is the nearest node.
 pub fn nearest_in_cell<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D]) -> ([f64; D], f64) {
-    let (mut xi, mut best) = ([0.0; D], ([0.0; D], f64::INFINITY));
+    let mut xi = nearest_node(order, nodes, x);
+    let mut distance = norm(&difference(order, nodes, x, &xi).0);
     for _ in 0..MAX_STEPS {
-        let (difference, next) = step(order, nodes, x, &xi);
-        if norm(&difference) < best.1 {
-            best = (xi, norm(&difference));
-        }
-        xi = next.map(|xi| xi.clamp(-1.0, 1.0));
+        let (r, jacobian) = difference(order, nodes, x, &xi);
+        let s = step_within(&xi, &jacobian, &r);
+        let moved = |halvings: i32| from_fn(|a| (xi[a] - 0.5_f64.powi(halvings) * s[a]).clamp(-1.0, 1.0));
+        let nearer = (0..MAX_HALVINGS)
+            .map(|halvings| (moved(halvings), norm(&difference(order, nodes, x, &moved(halvings)).0)))
+            .find(|(_, moved)| *moved < distance);
+        let Some(better) = nearer else { break };
+        (xi, distance) = better;
     }
-    best
+    (xi, distance)
+}
+
+/// The reference point of the node nearest to `x`.
+fn nearest_node<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D]) -> [f64; D] {
+    let points = gauss_lobatto(order).points;
+    let from = |k: &usize| norm(&from_fn::<f64, D, _>(|i| nodes[k * D + i] - x[i]));
+    let nearest = (0..order.pow(D as u32)).min_by(|k, l| from(k).total_cmp(&from(l))).unwrap_or(0);
+    from_fn(|axis| points[digit(nearest, order, axis)])
+}
+
+/// s of (nearest): no component along an axis on whose bound xi would leave the cell.
+fn step_within<const D: usize>(xi: &[f64; D], jacobian: &[[f64; D]; D], r: &[f64; D]) -> [f64; D] {
+    let column = |a: usize| from_fn::<f64, D, _>(|i| jacobian[i][a]);
+    let gradient: [f64; D] = from_fn(|a| dot(&column(a), r));
+    let leaves = |a: usize, s: &[f64; D]| xi[a].abs() == 1.0 && xi[a] * s[a] < 0.0;
+    let mut stays: [bool; D] = from_fn(|a| leaves(a, &gradient));
+    loop {
+        let entry = |a: usize, b: usize| match stays[a] || stays[b] {
+            true => f64::from(u8::from(a == b)),
+            false => dot(&column(a), &column(b)),
+        };
+        let normal: [[f64; D]; D] = from_fn(|a| from_fn(|b| entry(a, b)));
+        let right: [f64; D] = from_fn(|a| if stays[a] { 0.0 } else { gradient[a] });
+        let cofactor = cofactor(&normal);
+        let determinant = determinant(&normal, &cofactor);
+        let s: [f64; D] = from_fn(|a| dot(&cofactor[a], &right) / determinant);
+        let Some(a) = (0..D).find(|&a| leaves(a, &s)) else { return s };
+        stays[a] = true;
+    }
 }
 
 /// Solves x(xi) = `x` to the accuracy `tolerance` by Newton's method: xi := xi - J^{-1} (x(xi) - x).
@@ -67,17 +110,22 @@ fn invert<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D], tolerance: 
 
 /// x(xi) - `x`, and a step of Newton's method from `xi`.
 fn step<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D], xi: &[f64; D]) -> ([f64; D], [f64; D]) {
-    let map = CellMap::at(order, xi);
-    let (relative, jacobian) = (map.relative_positions(nodes)[0], map.jacobians(nodes)[0]);
-    let difference: [f64; D] = std::array::from_fn(|i| relative[i] - (x[i] - nodes[i]));
+    let (difference, jacobian) = difference(order, nodes, x, xi);
     let cofactor = cofactor(&jacobian);
     let determinant = determinant(&jacobian, &cofactor);
     // cofactor / det is J^{-T}.
-    let next = std::array::from_fn(|a| {
-        let column = std::array::from_fn(|i| cofactor[i][a]);
+    let next = from_fn(|a| {
+        let column = from_fn(|i| cofactor[i][a]);
         xi[a] - dot(&column, &difference) / determinant
     });
     (difference, next)
+}
+
+/// x(xi) - `x`, accurate far from the origin, and J there.
+fn difference<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D], xi: &[f64; D]) -> ([f64; D], [[f64; D]; D]) {
+    let map = CellMap::at(order, xi);
+    let (relative, jacobian) = (map.relative_positions(nodes)[0], map.jacobians(nodes)[0]);
+    (from_fn(|i| relative[i] - (x[i] - nodes[i])), jacobian)
 }
 
 #[cfg(test)]
@@ -97,7 +145,7 @@ mod tests {
         let (mesh, mut random) = (curved::<D>(), SplitMix64::new(7));
         for cell in 0..mesh.n_cells() {
             for _ in 0..5 {
-                let xi: [f64; D] = std::array::from_fn(|_| 0.999 * random.symmetric());
+                let xi: [f64; D] = from_fn(|_| 0.999 * random.symmetric());
                 let (found, back) = mesh.locate(&mesh.position(cell, &xi)).unwrap();
                 assert_eq!(found, cell);
                 assert!((0..D).all(|a| (back[a] - xi[a]).abs() < 1e-8), "{xi:?}, {back:?}");
@@ -121,6 +169,20 @@ mod tests {
         assert!((0..10).all(|k| mesh.locate(&[1e6 + 0.1 * f64::from(k) + 0.013, 0.01]).is_some()));
     }
 
+    /// A parallelogram with an angle of 18 degrees.
+    #[test]
+    fn the_nearest_place_of_a_skewed_cell_is_the_foot_of_the_perpendicular() {
+        let nodes = [0.0, 0.0, 1.0, 0.0, 3.0, 1.0, 4.0, 1.0];
+        for (x, foot) in
+            [([0.5, -1.0], [0.5, 0.0]), ([-2.0, -1.0], [0.0, 0.0]), ([1.2, 1.4], [1.5, 0.5]), ([3.0, 0.0], [2.8, 0.6])]
+        {
+            let (xi, distance) = nearest_in_cell(2, &nodes, &x);
+            let place = CellMap::<2>::at(2, &xi).positions(&nodes)[0];
+            assert!((0..2).all(|i| (place[i] - foot[i]).abs() < 1e-9), "{x:?}: {place:?} for {foot:?}");
+            assert!((distance - norm(&[x[0] - foot[0], x[1] - foot[1]])).abs() < 1e-12);
+        }
+    }
+
     #[test]
     fn corners_belong_to_the_first_cell_and_points_outside_to_none() {
         let mesh = curved::<2>();
@@ -128,10 +190,7 @@ mod tests {
             for corner in [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0]] {
                 let x = mesh.position(cell, &corner);
                 let (found, xi) = mesh.locate(&x).unwrap();
-                assert!(
-                    found <= cell
-                        && norm(&std::array::from_fn::<f64, 2, _>(|i| mesh.position(found, &xi)[i] - x[i])) < 1e-9
-                );
+                assert!(found <= cell && norm(&from_fn::<f64, 2, _>(|i| mesh.position(found, &xi)[i] - x[i])) < 1e-9);
             }
         }
         assert_eq!(mesh.locate(&[1.2, 0.5]), None);

@@ -67,9 +67,12 @@ impl<'a> RunContext<'a> {
         }
     }
 
-    /// Says this `warning` about the law of a structure, if it was not said yet.
-    pub fn warn_once_of_linear_law(&mut self, warning: Option<String>) {
-        if let Some(text) = warning.filter(|_| !self.has_warned_of_linear_law) {
+    /// Says the `warning` about the law of a structure, if there is one and it was not said yet.
+    pub fn warn_once_of_linear_law(&mut self, warning: impl FnOnce() -> Option<String>) {
+        if self.has_warned_of_linear_law {
+            return;
+        }
+        if let Some(text) = warning() {
             self.observer.say(&format!("warning: {text}"));
             self.has_warned_of_linear_law = true;
         }

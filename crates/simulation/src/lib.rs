@@ -37,6 +37,7 @@
 //! | `cells` | numbers of the flow in some cells, wherever they are |
 //! | `errors` | errors of the flow where the exact flow is known |
 //! | `stored_field`, `cell_finder` | fields of a result file at points |
+//! | `nodal` | values at the nodes of one cell |
 //!
 //! A case in memory, run slab by slab:
 //!
@@ -162,6 +163,7 @@ mod lines;
 mod memory_estimate;
 mod mesh_run;
 mod motion_jump;
+mod nodal;
 mod observer;
 mod occupied;
 mod opening_states;

@@ -12,6 +12,7 @@
 
 use super::cells::StateInCells;
 use super::history::openings;
+use super::nodal::{by_node, dot_of};
 use case::{Case, Flow};
 use coupled::MeshMover;
 use fem::functions_at;
@@ -173,15 +174,4 @@ impl<const D: usize> OpeningStates<'_, D> {
 fn quantities<const D: usize>(gas: &Gas, at: &Primitive<f64, D>) -> [f64; 3] {
     let [pressure, temperature] = total_state(gas, at);
     [pressure, temperature, at.pressure]
-}
-
-/// `[component][node]` as `[node][component]`.
-pub fn by_node<const D: usize>(nodal: &[f64]) -> Vec<f64> {
-    let nodes = nodal.len() / D;
-    (0..nodal.len()).map(|i| nodal[i % D * nodes + i / D]).collect()
-}
-
-/// The value of a component with the coefficients that `u` begins with, where the functions are known.
-pub fn dot_of(u: &[f64], functions: &[f64]) -> f64 {
-    u.iter().zip(functions).map(|(u, phi)| u * phi).sum()
 }

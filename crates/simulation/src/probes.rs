@@ -1,7 +1,8 @@
 //! The flow at points, from the coefficients of the cells that contain them: columns of history.csv, and the values of lines and slices.
 
 use super::cells::{StateInCells, StateSource};
-use super::opening_states::{by_node, dot_of, slopes_at};
+use super::nodal::{by_node, dot_of};
+use super::opening_states::slopes_at;
 use super::surfaces::physical;
 use case::{Case, Field, FieldFormula, Flow, Probe};
 use coupled::MeshMover;

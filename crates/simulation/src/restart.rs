@@ -3,6 +3,7 @@
 mod carried;
 mod drives;
 mod error;
+mod mesh_difference;
 mod other_mesh;
 mod supports;
 

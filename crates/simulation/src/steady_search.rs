@@ -53,7 +53,7 @@ where
     let communicator = march.solver.system.flow.operator.share.sums.communicator().clone();
     let is_stopped = || any(&*communicator, observer.is_stop_requested());
     let before = march.state.u.clone();
-    let found = find_until(case, flow, steady, march, (observer, &is_stopped));
+    let found = Task { case, flow, steady, march, observer, is_stopped: &is_stopped }.find();
     if found.is_err() && is_stopped() {
         march.state.u = before;
         return Err(Stopped.into());
@@ -61,30 +61,85 @@ where
     found
 }
 
-/// [`find`], given up if `is_stopped`.
-fn find_until<const D: usize, const M: usize>(
-    case: &Case<D>,
-    flow: &Flow<D>,
-    steady: &Steady,
-    march: &mut FlowMarch<D, M>,
-    (observer, is_stopped): (&dyn Observer, &dyn Fn() -> bool),
-) -> anyhow::Result<Found<M>>
+/// What is searched for, until `is_stopped`.
+struct Task<'a, const D: usize, const M: usize> {
+    case: &'a Case<D>,
+    flow: &'a Flow<D>,
+    steady: &'a Steady,
+    march: &'a mut FlowMarch<D, M>,
+    observer: &'a dyn Observer,
+    is_stopped: &'a dyn Fn() -> bool,
+}
+
+impl<const D: usize, const M: usize> Task<'_, D, M>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
     State<D>: ExactState<D, M>,
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
-    let found = search(case, flow, steady, march, is_stopped);
-    let stages = found.as_ref().map_or_else(|error| &error.stages, |found| &found.stages);
-    stages.iter().for_each(|stage| observer.say(&told(stage)));
-    let found = found?;
-    if steady.bodies != SteadyBodies::Equilibrium {
-        return Ok(Found { flow: found, equilibrium: None });
+    fn find(&mut self) -> anyhow::Result<Found<M>> {
+        let found = self.search();
+        let stages = found.as_ref().map_or_else(|error| &error.stages, |found| &found.stages);
+        stages.iter().for_each(|stage| self.observer.say(&told(stage)));
+        let found = found?;
+        if self.steady.bodies != SteadyBodies::Equilibrium {
+            return Ok(Found { flow: found, equilibrium: None });
+        }
+        unheld_in_equilibrium(self.case).iter().for_each(|text| self.observer.say(&format!("warning: {text}")));
+        let equilibrium = self.release_bodies()?;
+        Ok(Found { flow: found, equilibrium: Some(equilibrium) })
     }
-    unheld_in_equilibrium(case).iter().for_each(|text| observer.say(&format!("warning: {text}")));
-    let equilibrium = release_bodies(case, flow, steady, march, is_stopped)?;
-    Ok(Found { flow: found, equilibrium: Some(equilibrium) })
+
+    /// Replaces the flow of `march`, a run at its start, by the steady flow. A collective call.
+    ///
+    /// # Errors
+    /// As [`Search::find`]; the flow is then the one with the least residual.
+    fn search(&mut self) -> Result<SteadyFlow<M>, SteadyError> {
+        let Task { case, flow, steady, is_stopped, .. } = *self;
+        let march = &mut *self.march;
+        let (system, state) = (&march.solver.system, &mut march.state);
+        let (share, displacement) = (&*system.flow.operator.share, &state.d[..]);
+        let time_unit = flow.time_unit();
+        let search = Search {
+            discretise: &|discretisation| build::steady::<D, M>(case, flow, (share, displacement), discretisation),
+            order: flow.order,
+            mover: system.mover(),
+            share,
+            displacement,
+            time: case.time.start,
+            time_unit,
+            settings: steady.newton(time_unit),
+            sequence: steady.sequence,
+            invariants: invariants(flow),
+            stability_time: steady.stability_time,
+            is_stopped,
+        };
+        search.find(&mut state.u)
+    }
+
+    /// Lets bodies and the mesh of `march` go from the steady flow that was found with bodies held, until all are in equilibrium. A collective
+    /// call.
+    ///
+    /// # Errors
+    /// [`NoEquilibrium`]; those of the mesh.
+    fn release_bodies(&mut self) -> anyhow::Result<Equilibrium<M>> {
+        let Task { case, flow, steady, is_stopped, .. } = *self;
+        let march = &mut *self.march;
+        let time = Time { order: 1, step: FIRST_SLAB * flow.time_unit(), control: None, ..case.time };
+        let share = &march.solver.system.flow.operator.share;
+        let with_one_node = Case { time, ..case.clone() };
+        let mover = build::mover_of(&with_one_node, share.sums.clone())?;
+        let mut released = build::march_of::<D, M>(&with_one_node, flow, mover, (**share).clone())?;
+        released.solver.newton.relative_tolerance = SLAB_TOLERANCE;
+        released.state.u.clone_from(&march.state.u);
+        let rest = (steady.tolerance, flow.time_length);
+        let found = find_equilibrium(&mut released, rest, is_stopped).map_err(with_cause)?;
+        let coupled::State { u, d, bodies, .. } = released.state;
+        march.solver.system.flow.operator.set_displacement(&d);
+        (march.state.u, march.state.d, march.state.bodies) = (u, d, bodies);
+        Ok(found)
+    }
 }
 
 /// Whether one of the ranks says so. A collective call.
@@ -98,75 +153,6 @@ fn told(stage: &Stage) -> String {
     let flux = if *dissipative { ", dissipative flux" } else { "" };
     let end = if *converged { "" } else { "  given up" };
     format!("steady flow of order {order}{flux}: newton {steps}  krylov {iterations}{end}")
-}
-
-/// Replaces the flow of `march`, a run at its start, by the steady flow. A collective call.
-///
-/// # Errors
-/// As [`Search::find`]; the flow is then the one with the least residual.
-fn search<const D: usize, const M: usize>(
-    case: &Case<D>,
-    flow: &Flow<D>,
-    steady: &Steady,
-    march: &mut FlowMarch<D, M>,
-    is_stopped: &dyn Fn() -> bool,
-) -> Result<SteadyFlow<M>, SteadyError>
-where
-    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
-{
-    let (system, state) = (&march.solver.system, &mut march.state);
-    let (share, displacement) = (&*system.flow.operator.share, &state.d[..]);
-    let time_unit = flow.time_unit();
-    let search = Search {
-        discretise: &|discretisation| build::steady::<D, M>(case, flow, (share, displacement), discretisation),
-        order: flow.order,
-        mover: system.mover(),
-        share,
-        displacement,
-        time: case.time.start,
-        time_unit,
-        settings: steady.newton(time_unit),
-        sequence: steady.sequence,
-        invariants: invariants(flow),
-        stability_time: steady.stability_time,
-        is_stopped,
-    };
-    search.find(&mut state.u)
-}
-
-/// Lets bodies and the mesh of `march` go from the steady flow that was found with bodies held, until all are in equilibrium. A collective
-/// call.
-///
-/// # Errors
-/// [`NoEquilibrium`]; those of the mesh.
-fn release_bodies<const D: usize, const M: usize>(
-    case: &Case<D>,
-    flow: &Flow<D>,
-    steady: &Steady,
-    march: &mut FlowMarch<D, M>,
-    is_stopped: &dyn Fn() -> bool,
-) -> anyhow::Result<Equilibrium<M>>
-where
-    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
-{
-    let time = Time { order: 1, step: FIRST_SLAB * flow.time_unit(), control: None, ..case.time };
-    let share = &march.solver.system.flow.operator.share;
-    let with_one_node = Case { time, ..case.clone() };
-    let mover = build::mover_of(&with_one_node, share.sums.clone())?;
-    let mut released = build::march_of::<D, M>(&with_one_node, flow, mover, (**share).clone())?;
-    released.solver.newton.relative_tolerance = SLAB_TOLERANCE;
-    released.state.u.clone_from(&march.state.u);
-    let rest = (steady.tolerance, flow.time_length);
-    let found = find_equilibrium(&mut released, rest, is_stopped).map_err(with_cause)?;
-    let coupled::State { u, d, bodies, .. } = released.state;
-    march.solver.system.flow.operator.set_displacement(&d);
-    (march.state.u, march.state.d, march.state.bodies) = (u, d, bodies);
-    Ok(found)
 }
 
 /// The slab that could not be solved is the cause that the examination of a failure looks for.

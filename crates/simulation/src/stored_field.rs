@@ -1,7 +1,7 @@
 //! A field of a result file: its polynomials in the cells.
 
 use crate::cell_finder::{CellFinder, Place};
-use crate::opening_states::{by_node, dot_of};
+use crate::nodal::{by_node, dot_of};
 use fem::functions_at;
 use mesh::CellMap;
 use rayon::prelude::*;

@@ -16,6 +16,7 @@ use crate::checker::{Checked, Checker, OTHERS};
 use crate::error::Errors;
 use crate::expression::Program;
 use crate::key::Key;
+use crate::magnitude::is_round_off;
 use crate::raw;
 use crate::vector::Vector;
 use coupled::BoundaryField;
@@ -322,7 +323,7 @@ pub(super) fn check_start<const D: usize>(
     start: f64,
     size: f64,
 ) -> Checked<()> {
-    match d.iter().position(|d| d.is_nan() || d.abs() > 1e-12 * size) {
+    match d.iter().position(|d| !is_round_off(*d, size)) {
         Some(axis) => {
             let cause = Cause::MovedAtStart { time: start, position: x.to_vec(), value: d[axis] };
             Err(checker.error(&key(axis), cause))

@@ -56,7 +56,7 @@ fn finish_slab<const D: usize, const M: usize, R: Run>(
     directory: &Path,
 ) -> Result<anyhow::Result<()>, Failure> {
     context.slabs += 1;
-    context.warn_once_of_linear_law(beyond_linear(case, run.state()));
+    context.warn_once_of_linear_law(|| beyond_linear(case, run.state()));
     let row = [run.enter(report, context), controls::values(case)].concat();
     recorder.history.push(&row)?;
     let of_controls = controls::update(case, &context.control_columns, &row, &mut context.statistics);

@@ -1,6 +1,6 @@
 //! The facets of a wall in the plane as curves: one after the other, with the domain on their right.
 
-use crate::opening_states::dot_of;
+use crate::nodal::dot_of;
 use basis::{Lagrange, Rule, gauss};
 use mesh::{BoundaryFacet, Mesh, NodeNumbering, curve_order, first_node, tangent_sign};
 

@@ -12,7 +12,8 @@
 use super::columns::columns;
 use super::curve;
 use crate::cells::StateInCells;
-use crate::opening_states::{FacePoints, by_node, dot_of};
+use crate::nodal::{by_node, dot_of};
+use crate::opening_states::FacePoints;
 use basis::Rule;
 use case::surface_name;
 use case::{BoundaryData, Flow, Wall};

@@ -8,6 +8,7 @@ use crate::checked::unit_axis;
 use crate::checker::Checked;
 use crate::expression::Program;
 use crate::key::Key;
+use crate::magnitude::is_round_off;
 use crate::raw;
 use coupled::blocks::rigid_body::Stops;
 use coupled::rounded_time;
@@ -135,7 +136,7 @@ impl<const D: usize> Given<'_, D> {
     fn drive(&self, key: &Key, direction: &Direction, raw: &raw::Formula) -> Checked<Program> {
         let motion = self.checker.formula_of_time(key, raw)?;
         let start = motion.evaluate::<f64>(&[], self.time.start);
-        let at_rest = start.abs() <= 1e-12 * size_of(direction, self.mesh);
+        let at_rest = is_round_off(start, size_of(direction, self.mesh));
         self.checker.require_of_formula(
             key,
             &format!("the motion at the start, {start},"),

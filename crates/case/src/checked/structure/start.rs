@@ -7,7 +7,7 @@ use super::Support;
 use crate::checker::{Checked, Checker};
 use crate::error::Errors;
 use crate::key::Key;
-use crate::magnitude::is_bounded;
+use crate::magnitude::{is_bounded, is_round_off};
 use crate::raw::{self, Analysis};
 use crate::vector::Vector;
 
@@ -98,7 +98,7 @@ fn check_start<const D: usize>(
         for (_, x) in nodes_on(mesh, numbering, index) {
             let d = displacement.map_or([0.0; D], |displacement| displacement.evaluate(&x, time.start));
             let g = support.prescribed(&x, time.start);
-            let apart = |i: &usize| g[*i].is_some_and(|g| (d[*i] - g).abs() > 1e-12 * mesh.diameter());
+            let apart = |i: &usize| g[*i].is_some_and(|g| !is_round_off(d[*i] - g, mesh.diameter()));
             if let Some(i) = (0..D).find(apart) {
                 let (name, d, g) = (&mesh.boundary_names()[index], d[i], g[i].unwrap_or(0.0));
                 let problem =
@@ -120,7 +120,7 @@ fn check_start_of_walls<const D: usize>(
 ) -> Checked<()> {
     let (Some(part), Some(displacement)) = (part, displacement) else { return Ok(()) };
     let d = |x: &[f64; D]| displacement.evaluate(x, time.start);
-    let moves = |x: &[f64; D]| d(x).iter().any(|d| d.abs() > 1e-12 * mesh.diameter());
+    let moves = |x: &[f64; D]| d(x).iter().any(|d| !is_round_off(*d, mesh.diameter()));
     let Some((_, x)) = part.wet.iter().flat_map(|wall| nodes_on(mesh, numbering, *wall)).find(|(_, x)| moves(x)) else {
         return Ok(());
     };
