@@ -1,7 +1,7 @@
 //! The interruption of a run by signals.
 
 use crate::terminal::Terminal;
-use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::iterator::Signals;
 use signal_hook::low_level::emulate_default_handler;
 use std::io;
@@ -19,16 +19,20 @@ impl StopFlag {
     }
 
     /// Installs handlers: the first Ctrl-C, SIGTERM or SIGUSR1 sets the flag and is answered on `terminal`. The second one ends the process at
-    /// once. Launchers of MPI pass SIGUSR1 on; of the others they end all processes.
+    /// once. Launchers of MPI pass SIGUSR1 on; of the others they end all processes. A terminal that closes sets the flag, too, and may say so
+    /// several times.
     ///
     /// # Errors
     /// If the system refuses to install the handlers.
     pub fn install(&self, terminal: &Terminal) -> io::Result<()> {
         let mut signals = Signals::new([SIGINT, SIGTERM, SIGUSR1])?;
+        if !outlives_terminal() {
+            signals.add_signal(SIGHUP)?;
+        }
         let (flag, terminal) = (self.clone(), terminal.clone());
         std::thread::spawn(move || {
             for signal in signals.forever() {
-                if flag.0.swap(true, Ordering::Relaxed) {
+                if flag.0.swap(true, Ordering::Relaxed) && signal != SIGHUP {
                     // Does not return: the process ends as if the signal had not been caught.
                     let _ = emulate_default_handler(signal);
                 }
@@ -38,6 +42,15 @@ impl StopFlag {
         });
         Ok(())
     }
+}
+
+/// Whether SIGHUP is ignored, as `nohup` asks for; `true` where the system does not tell.
+fn outlives_terminal() -> bool {
+    let ignored = |status: String| {
+        let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;
+        Some(u64::from_str_radix(mask.trim(), 16).ok()? >> (SIGHUP - 1) & 1 == 1)
+    };
+    std::fs::read_to_string("/proc/self/status").ok().and_then(ignored).unwrap_or(true)
 }
 
 /// Leaves signals to the first of several processes: this one does nothing, however many come. One that ended at its second signal would end

@@ -1,4 +1,4 @@
-//! SIGTERM: the first one ends a run after the current slab, the second one at once.
+//! SIGTERM: the first one ends a run after the current slab, the second one at once. SIGHUP: ends a run after the current slab.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used)]
@@ -46,7 +46,11 @@ impl Running {
     }
 
     fn terminate(&self) {
-        let sent = Command::new("kill").args(["-TERM", &self.process.id().to_string()]).status().unwrap();
+        self.send("-TERM");
+    }
+
+    fn send(&self, signal: &str) {
+        let sent = Command::new("kill").args([signal, &self.process.id().to_string()]).status().unwrap();
         assert!(sent.success());
     }
 }
@@ -119,6 +123,41 @@ fn the_second_signal_ends_the_run_at_once() {
     running.terminate();
     assert_eq!(running.process.wait().unwrap().signal(), Some(15));
     assert!(!directory.path().join("run/summary.json").exists());
+}
+
+/// A terminal that closed killed the run, without a checkpoint. The shell and the system may both send the signal.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_terminal_that_closes_ends_the_run_with_a_checkpoint() {
+    let directory = TempDir::new().unwrap();
+    let mut running = Running::start(directory.path(), "vortex", &["time.end=100"]);
+    running.wait_for("slab 1 ");
+    running.send("-HUP");
+    running.send("-HUP");
+    running.wait_for("stopped at t = ");
+    assert_eq!(running.process.wait().unwrap().code(), Some(3));
+    assert_eq!(summary(&directory.path().join("run"))["completed"], false);
+}
+
+/// The handler must not undo `nohup`.
+#[test]
+fn a_run_that_ignores_its_terminal_goes_on() {
+    let directory = TempDir::new().unwrap();
+    let program = assert_cmd::cargo::cargo_bin("stsolve");
+    let run = format!(
+        "trap '' HUP; exec '{}' run '{}' --output run --set time.end=4",
+        program.display(),
+        shipped("vortex.toml")
+    );
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &run]).current_dir(directory.path()).stderr(Stdio::piped());
+    let mut process = shell.spawn().unwrap();
+    let report = BufReader::new(process.stderr.take().unwrap());
+    let mut running = Running { process, report };
+    running.wait_for("slab 1 ");
+    running.send("-HUP");
+    assert!(running.process.wait().unwrap().success());
+    assert_eq!(summary(&directory.path().join("run"))["completed"], true);
 }
 
 /// During a run there is no summary, so that after a kill none describes another run.
