@@ -7,7 +7,7 @@ use crate::mode::Values;
 use crate::point::{Condition, Kernel, KernelTypes, PointIndex, Types, load};
 use crate::scratch::{FacetScratch, through_len};
 use crate::tensor_product::{AtPoints, Lattice, evaluate};
-use crate::time_points::{DataTime, InTime, TimePoint, TimePointIndex};
+use crate::time_points::{InTime, TimePoint, TimePointIndex};
 use basis::Matrix;
 use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
@@ -19,6 +19,8 @@ pub struct PointFlux<T, const D: usize, const M: usize> {
     pub inviscid: [T; M],
     /// - Fhat_v
     pub viscous: [T; M],
+    /// sigma F_v(u_b, (u- - u_b) n) . n, the part of `viscous` that is the penalty
+    pub penalty: [T; M],
     /// F_v(u_b, (u- - u_b) n), for the symmetric term
     pub jump_flux: [[T; M]; D],
 }
@@ -49,14 +51,15 @@ impl<T: Real, const D: usize, const M: usize> PointFlux<T, D, M> {
     {
         let inviscid = law.boundary_flux(condition, minus, at);
         let mut viscous = [minus[0].zero(); M];
-        let mut jump_flux = [viscous; D];
+        let (mut penalty, mut jump_flux) = (viscous, [viscous; D]);
         if let Some(Inside { gradient, sigma, grid }) = inside {
             let state = law.boundary_state(condition, minus, at);
             let jump = times_normal(minus, &state, at.normal);
             let through = law.boundary_viscous_flux(condition, &state, gradient, at);
             let penalised = law.boundary_viscous_flux(condition, &state, &jump, at);
             for m in 0..M {
-                viscous[m] = penalised[m].scale(*sigma) - through[m];
+                penalty[m] = penalised[m].scale(*sigma);
+                viscous[m] = penalty[m] - through[m];
             }
             jump_flux = law.viscous_flux(&state, &jump);
             if law.captures_shocks() {
@@ -64,7 +67,9 @@ impl<T: Real, const D: usize, const M: usize> PointFlux<T, D, M> {
                 let through = law.boundary_artificial_flux(condition, &state, gradient, beta, at);
                 let penalised = law.boundary_artificial_flux(condition, &state, &jump, beta, at);
                 for m in 0..M {
-                    viscous[m] += penalised[m].scale(*sigma) - through[m];
+                    let artificial = penalised[m].scale(*sigma);
+                    penalty[m] += artificial;
+                    viscous[m] += artificial - through[m];
                 }
                 let artificial = law.artificial_flux(&state, &jump, beta);
                 for k in 0..D {
@@ -74,7 +79,7 @@ impl<T: Real, const D: usize, const M: usize> PointFlux<T, D, M> {
                 }
             }
         }
-        PointFlux { inviscid, viscous, jump_flux }
+        PointFlux { inviscid, viscous, penalty, jump_flux }
     }
 }
 
@@ -143,7 +148,7 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
                 let here = self.facet_point(geometry, at, weight);
                 let minus = self.state(&scratch.sides[0].u, at);
                 let flux = self.point_flux(BoundaryFacets { condition, geometry }, &here, &minus, scratch, at);
-                let PointFlux { inviscid, viscous, jump_flux } = flux;
+                let PointFlux { inviscid, viscous, jump_flux, .. } = flux;
                 if law.is_viscous() {
                     let metric = self.map_of_side(geometry, 0, at);
                     // Minus: uhat - u- = -(u- - u_b).
@@ -187,7 +192,7 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
 /// ```
 ///
 /// with w_b the velocity of the boundary as the mesh moves. w is the same, or the prescribed velocity of the boundary at that
-/// time. It slides with the exact data of that time, w_b with those of the flux.
+/// time. At the top of a slab the penalty is that of (penalty at top), from the times before.
 pub struct FacetFlux<'a, 'c, const D: usize, const M: usize, L: ConservationLaw<D, M>> {
     /// The conservation law.
     pub law: &'c L,
@@ -199,7 +204,7 @@ pub struct FacetFlux<'a, 'c, const D: usize, const M: usize, L: ConservationLaw<
     pub time: FluxTime<'c>,
     /// The data of the condition, if it takes any.
     pub data: Option<DataAt<'a>>,
-    /// This thread's packs: reads the traces of the minus side, overwrites `through`.
+    /// This thread's packs: reads the traces of the minus side, overwrites `through`. Adds the penalty to `penalty`, or reads it at the top.
     pub scratch: &'c mut FacetScratch,
 }
 
@@ -212,8 +217,8 @@ pub struct FluxTime<'a> {
     pub position_row: &'a Matrix,
     /// Whether w of (power) comes from `boundary_velocity` of the scratch instead of from the mesh.
     pub velocity_is_given: bool,
-    /// At the top of a slab the times of (data at top), which hold where the gas takes the values of the data.
-    pub data_times: Option<&'a [DataTime]>,
+    /// The share of this time in (penalty at top); `None` at the top itself.
+    pub share: Option<f64>,
 }
 
 impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for FacetFlux<'_, '_, D, M, L> {
@@ -222,7 +227,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for Face
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let FacetFlux { law, condition, context, time, data, scratch } = self;
-        let FluxTime { time_point, position_row, velocity_is_given, data_times } = time;
+        let FluxTime { time_point, position_row, velocity_is_given, share } = time;
         let kernel = Kernel::new(simd, law, context.tables, PhantomData::<Values>);
         let of = TimePointIndex::ALONE;
         let in_time =
@@ -234,18 +239,14 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for Face
         kernel.velocity_of_work(velocity_is_given, scratch);
         kernel.positions(of, scratch);
         kernel.boundary_data(context.clock.time(time_point.s), of, data, scratch);
-        scratch.work_data.copy_from_slice(&scratch.data);
-        if let Some(times) = data_times.filter(|_| law.imposes_data(condition)) {
-            kernel.data_at_top(times, data, scratch);
-        }
-        kernel.flux_through(condition, scratch);
+        kernel.flux_through(condition, share, scratch);
     }
 }
 
 impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, S: Simd> Kernel<'_, D, M, Types<L, Values, S>> {
     /// (through) and (power) from states, positions and velocities at the points.
     #[inline(always)]
-    fn flux_through(self, condition: L::Boundary, scratch: &mut FacetScratch) {
+    fn flux_through(self, condition: L::Boundary, share: Option<f64>, scratch: &mut FacetScratch) {
         let (points, law) = (self.tables.facet_points(), self.law);
         scratch.through.fill(Pack::ZERO);
         for p in 0..points {
@@ -254,35 +255,47 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, S: Simd> Kernel<'
                 let here = self.facet_point(&scratch.geometry, at, 1.0);
                 let minus = self.state(&scratch.sides[0].u, at);
                 let facets = BoundaryFacets { condition, geometry: &scratch.geometry };
-                let flux = self.point_flux(facets, &here, &minus, scratch, at);
+                let PointFlux { inviscid, viscous, penalty, .. } = self.point_flux(facets, &here, &minus, scratch, at);
                 let (x, area) = (self.geometry(&scratch.x, at), here.area * here.weight);
                 let (data, at_work) = (self.geometry(&scratch.data, at), self.geometry(&scratch.work_velocity, at));
                 let moving = BoundaryPoint { normal: &here.n, velocity: &here.v, data: &data };
-                let work_data = self.geometry(&scratch.work_data, at);
-                let at_work = BoundaryPoint { normal: &here.n, velocity: &at_work, data: &work_data };
-                let at_work = law.boundary_velocity(condition, at_work);
-                let moving = law.boundary_velocity(condition, moving);
-                let [pushing, rubbing] = [law.momentum(&flux.inviscid), law.momentum(&flux.viscous)];
+                let at_work = BoundaryPoint { velocity: &at_work, ..moving };
+                let [moving, at_work] = [moving, at_work].map(|at| law.boundary_velocity(condition, at));
+                let heat_of = |f: &[Lanes<S>; M]| law.energy(f) - power(&law.momentum(f), &moving);
+                let parts = [&viscous, &penalty].map(|flux| (*flux, heat_of(flux)));
+                let (viscous, heat) = self.with_penalty_at_top(share, parts, &mut scratch.penalty, at);
+                let [pushing, rubbing] = [law.momentum(&inviscid), law.momentum(&viscous)];
                 let work = power(&pushing, &at_work) + power(&rubbing, &at_work);
-                let heat = law.energy(&flux.viscous) - power(&rubbing, &moving);
                 let (fluxes, powers) = scratch.through.split_at_mut(2 * through_len(M));
-                let (inviscid, viscous) = fluxes.split_at_mut(through_len(M));
-                self.add_part(&flux.inviscid, &pushing, &Arm { x, area, part }, inviscid);
-                self.add_part(&flux.viscous, &rubbing, &Arm { x, area, part }, viscous);
+                let (inviscid_sums, viscous_sums) = fluxes.split_at_mut(through_len(M));
+                self.add_part(&inviscid, &pushing, &Arm { x, area, part }, inviscid_sums);
+                self.add_part(&viscous, &rubbing, &Arm { x, area, part }, viscous_sums);
                 self.add(work * area, &mut powers[0], part);
                 self.add(heat * area, &mut powers[1], part);
             }
         }
     }
 
-    /// (data at top), from positions and velocities at the points.
-    fn data_at_top(self, times: &[DataTime], data: Option<DataAt>, scratch: &mut FacetScratch) {
-        let Some(data) = data else { return };
-        let len = D * self.tables.facet_points();
-        let add = |a: Pack, f: f64, b: Pack| Pack(std::array::from_fn(|lane| a.0[lane] + f * b.0[lane]));
-        let FacetScratch { x, geometry, data: sum, .. } = scratch;
-        sum.fill(Pack::ZERO);
-        DataTime::add_data(times, [x, &geometry[len..2 * len]], sum, add, data);
+    /// The viscous flux and its heat at a point: those with (penalty at top) at the top, the given ones at the times before, which leave their
+    /// `share` of the penalty in `seen`.
+    #[inline(always)]
+    fn with_penalty_at_top(
+        self,
+        share: Option<f64>,
+        [viscous, penalty]: [([Lanes<S>; M], Lanes<S>); 2],
+        seen: &mut [Pack],
+        at: PointIndex,
+    ) -> ([Lanes<S>; M], Lanes<S>) {
+        let Some(share) = share else {
+            let read = |i: usize| Lanes::read(self.simd, &seen[at.index(i)], at.part);
+            let flux = std::array::from_fn(|m| viscous.0[m] - penalty.0[m] + read(m));
+            return (flux, viscous.1 - penalty.1 + read(M));
+        };
+        for m in 0..M {
+            self.add(penalty.0[m] * share, &mut seen[at.index(m)], at.part);
+        }
+        self.add(penalty.1 * share, &mut seen[at.index(M)], at.part);
+        viscous
     }
 
     /// The velocity at which forces do work, at the points.

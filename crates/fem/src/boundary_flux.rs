@@ -188,8 +188,10 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     ///
     /// Work is done at the velocity of the mesh, so that work and heat are the energy that leaves through a wall. That velocity is a
     /// polynomial in time, and at a given time less accurate than the positions. The volume of a body that turns seems to oscillate,
-    /// and pressure does work on this. Therefore the power at the top uses `velocity_at_top`, `[C0 node][component]`, if given. Data of walls at the
-    /// top are those of (data at top).
+    /// and pressure does work on this. Therefore the power at the top uses `velocity_at_top`, `[C0 node][component]`, if given.
+    ///
+    /// At the top the penalty is that of (penalty at top): the mean that the equations of the top node see, since phi_N is their test function. At
+    /// the top itself u- differs from the data by the error in time, which the penalty multiplies by 1 / h.
     pub fn boundary_fluxes(&self, velocity_at_top: Option<&[f64]>) -> Vec<FluxesAt<M>> {
         let (clock, (_, dt)) = (self.clock(), self.interval());
         let time_points = self.tables.time_points.iter().chain([&self.tables.top]);
@@ -231,23 +233,20 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
     /// The fluxes of a batch on a boundary at the time points, and last at the top, `[time][lane]`.
     fn fluxes_of_batch(&self, batch: &FacetBatch, velocity_at_top: Option<&[f64]>) -> Vec<Vec<BoundaryFlux<M>>> {
-        let data_times = self.tables.data_times(self.clock(), self.interval().1);
+        let shares = self.tables.shares_at_top();
         let time_points = self.tables.time_points.iter().chain([&self.tables.top]).zip(&self.position_rows);
-        let (origins, top) = (self.facet_origins(batch).map(in_space), self.tables.time_points.len());
+        let origins = self.facet_origins(batch).map(in_space);
         self.facet_scratch.with(|scratch| {
             self.gather_states(Differentiate::Nothing, &[self.traced_state()], batch, scratch);
             self.gather_mesh(Differentiate::Nothing, batch, scratch);
             if let Some(velocity) = velocity_at_top {
                 self.gather_boundary_velocity(velocity, batch, &mut scratch.boundary_velocity);
             }
+            scratch.penalty.fill(Pack::ZERO);
             let at = |(number, (time_point, row))| {
-                let is_top = number == top;
-                let time = FluxTime {
-                    time_point,
-                    position_row: row,
-                    velocity_is_given: is_top && velocity_at_top.is_some(),
-                    data_times: is_top.then_some(&data_times[..]),
-                };
+                let share = shares.get(number).copied();
+                let velocity_is_given = share.is_none() && velocity_at_top.is_some();
+                let time = FluxTime { time_point, position_row: row, velocity_is_given, share };
                 self.across(Differentiate::Nothing, batch, |context, across| {
                     self.problem.kernels.boundary_flux(context, time, across, scratch);
                 });

@@ -160,11 +160,6 @@ pub trait ConservationLaw<const D: usize, const M: usize>: Send + Sync {
         [state[0].zero(); M]
     }
 
-    /// Whether the gas at the boundary takes the values of its data, as at a wall without slip.
-    fn imposes_data(&self, _condition: Self::Boundary) -> bool {
-        false
-    }
-
     /// The velocity of the boundary itself. It differs from the velocity of the mesh for a wall that slides in its own plane.
     #[inline(always)]
     fn boundary_velocity<G: Real>(&self, _condition: Self::Boundary, at: BoundaryPoint<'_, G, D, M>) -> [G; D] {

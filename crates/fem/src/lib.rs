@@ -116,7 +116,7 @@ pub use share::{Blocks, Share};
 pub use slab_geometry::{SlabEnd, kept_geometry_bytes};
 pub use space_jacobian::{Coupling, SpaceJacobian, Stored, TraceSpace};
 pub use tables::{Orders, PointFamily, Quadrature, Shape1d, Tables};
-pub use time_points::{Clock, DataTime, InTime, TimePoint};
+pub use time_points::{Clock, InTime, TimePoint};
 pub use two_point::FacePairs;
 
 #[cfg(test)]

@@ -144,8 +144,8 @@ pub struct FacetScratch {
     pub(crate) velocity_at: Vec<Pack>,
     /// The velocity at which forces do work at the points, `[d][p]`.
     pub(crate) work_velocity: Vec<Pack>,
-    /// The data of the condition where forces do work, like `data`.
-    pub(crate) work_data: Vec<Pack>,
+    /// The penalty of (penalty at top) and its heat at the points, `[m][p]`.
+    pub(crate) penalty: Vec<Pack>,
     /// The geometry at the points that is not known, `[b][number][p]`, see [`crate::facet_geometry`].
     pub(crate) geometry: Vec<Pack>,
     /// Intermediate results of the area vectors of collocated rules.
@@ -221,7 +221,7 @@ impl FacetScratch {
             reordered: vec![0.0; WIDTH * longest],
             velocity_at: zeroed(2 * tables.time_points.len() * D * tables.orders.mesh.pow(D as u32 - 1)),
             work_velocity: zeroed(D * points),
-            work_data: zeroed(2 * M * points),
+            penalty: zeroed((M + 1) * points),
             geometry: zeroed(2 * facet_geometry_len(D, true) * points),
             on_nodes: FaceNodes::new(tables),
             scratch: Scratch::new(D - 1, 2 * M.max(D + 1), widest),

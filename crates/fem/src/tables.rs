@@ -1,7 +1,7 @@
 //! One-dimensional matrices of a slab space, which the kernels contract with.
 
 use crate::collocation::Collocation;
-use crate::time_points::{Clock, DataTime, TimePoint};
+use crate::time_points::TimePoint;
 use basis::{Lagrange, Matrix, RadauTime, Rule, gauss, gauss_lobatto};
 use tensor::Pack;
 
@@ -218,16 +218,15 @@ pub struct Tables<const D: usize> {
 }
 
 impl<const D: usize> Tables<D> {
-    /// The times of (data at top) in a slab of length `dt`.
-    pub fn data_times(&self, clock: Clock, dt: f64) -> Vec<DataTime> {
+    /// The shares of the time points in what the equations of the top node see, see [`SlabOperator::boundary_fluxes`](crate::SlabOperator::boundary_fluxes):
+    ///
+    /// ```text
+    /// p = sum_q e_q p_q,   e_q = w_q phi_N(s_q) / sum_q w_q phi_N(s_q)                                       (penalty at top)
+    /// ```
+    pub fn shares_at_top(&self) -> Vec<f64> {
         let tested = |point: &TimePoint| point.weight * point.values.row(0).last().copied().unwrap_or(1.0);
         let sum: f64 = self.time_points.iter().map(tested).sum();
-        let at = |point: &TimePoint| DataTime {
-            time: clock.time(point.s),
-            before: (1.0 - point.s) * dt,
-            share: tested(point) / sum,
-        };
-        self.time_points.iter().map(at).collect()
+        self.time_points.iter().map(|point| tested(point) / sum).collect()
     }
 
     /// Tables for `orders`, each in 1..=16 (2..=16 in space), and a state of `components`.

@@ -80,50 +80,6 @@ impl TimePoint {
     }
 }
 
-/// A time at which the data of a wall are read for the top of a slab.
-///
-/// ```text
-/// u_b = sum_q e_q u_b(x - (1 - s_q) dt v, t(s_q)),   e_q = w_q phi_N(s_q) / sum_q w_q phi_N(s_q)                 (data at top)
-/// ```
-///
-/// phi_N is the polynomial of the top node. The gas at the top follows these data, since its equations have this test function. The exact data
-/// of that time differ by the error in time, which the penalty multiplies by 1 / h.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DataTime {
-    /// t(s_q)
-    pub time: f64,
-    /// (1 - s_q) dt
-    pub before: f64,
-    /// e_q
-    pub share: f64,
-}
-
-impl DataTime {
-    /// One time, which has all of the share.
-    pub fn alone(time: f64) -> Self {
-        DataTime { time, before: 0.0, share: 1.0 }
-    }
-
-    /// Adds (data at top) to `sum`, for points at `x` that move with `v`. `data` writes the data of a time and of positions into numbers like
-    /// those of `sum`; `add(a, f, b)` is a + f b.
-    pub fn add_data<T: Copy>(
-        times: &[Self],
-        [x, v]: [&[T]; 2],
-        sum: &mut [T],
-        add: impl Fn(T, f64, T) -> T,
-        mut data: impl FnMut(f64, &[T], &mut [T]),
-    ) {
-        let (mut then, mut values) = (x.to_vec(), sum.to_vec());
-        for DataTime { time, before, share } in times {
-            for (then, (x, v)) in then.iter_mut().zip(x.iter().zip(v)) {
-                *then = add(*x, -before, *v);
-            }
-            data(*time, &then, &mut values);
-            sum.iter_mut().zip(&values).for_each(|(sum, value)| *sum = add(*sum, *share, *value));
-        }
-    }
-}
-
 /// Time `number` of `count`.
 #[derive(Clone, Copy)]
 pub(crate) struct TimePointIndex {

@@ -177,10 +177,6 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
         condition.artificial_flux(&Stresses::artificial(&self.gas, state, gradient, viscosity), at)
     }
 
-    fn imposes_data(&self, condition: Boundary<D>) -> bool {
-        matches!(condition, Boundary::AdiabaticWall(_) | Boundary::IsothermalWall(_))
-    }
-
     #[inline(always)]
     fn boundary_velocity<G: Real>(&self, condition: Boundary<D>, at: BoundaryPoint<'_, G, D, M>) -> [G; D] {
         condition.velocity(at)

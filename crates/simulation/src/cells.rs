@@ -37,6 +37,14 @@ impl<'a> StateInCells<'a> {
         StateInCells { values: values.into(), len, places: Some(cells.iter().copied().zip(0..).collect()) }
     }
 
+    /// The state at a time of the slabs that these states are, `[time node][component][node]`: sum_a phi_a u_a.
+    pub fn at_time(&self, phi: &[f64]) -> StateInCells<'static> {
+        let len = self.len / phi.len();
+        let at = |slab: &[f64]| combined(phi, &slab.chunks_exact(len).collect::<Vec<_>>());
+        let values: Vec<f64> = self.values.chunks_exact(self.len).flat_map(at).collect();
+        StateInCells { values: values.into(), len, places: self.places.clone() }
+    }
+
     /// The state in `cell`, `[component][node]`.
     ///
     /// # Panics
@@ -47,9 +55,23 @@ impl<'a> StateInCells<'a> {
     }
 }
 
+/// sum_a factors_a vectors_a
+pub fn combined(factors: &[f64], vectors: &[&[f64]]) -> Vec<f64> {
+    let len = vectors.first().map_or(0, |vector| vector.len());
+    (0..len).map(|i| factors.iter().zip(vectors).map(|(factor, vector)| factor * vector[i]).sum()).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn slabs_are_combined_cell_by_cell() {
+        // Two cells with two time nodes and two numbers each.
+        let slabs = StateInCells::some(&[5, 3], vec![1.0, 2.0, 3.0, 4.0, 10.0, 20.0, 30.0, 40.0], 4);
+        let at_time = slabs.at_time(&[0.5, 2.0]);
+        assert_eq!([at_time.of(5), at_time.of(3)], [&[6.5, 9.0], &[65.0, 90.0]]);
+    }
 
     #[test]
     fn ranges_cover_all_cells_once() {

@@ -11,7 +11,7 @@ use super::context::{RunContext, Stop};
 use super::crew::{self, Crew, OfCells, Order, Orders, Own, begin_averages};
 use super::drive::{Call, Run, drive};
 use super::failure::{Failed, Finding};
-use super::record::{MeshView, Stored, top};
+use super::record::{MeshView, Stored};
 use super::statistics::RunStatistics;
 use super::surfaces::SurfaceFlow;
 use super::walls::wall_loads;
@@ -267,18 +267,9 @@ where
         if self.listed_walls().next().is_none() {
             return Vec::new();
         }
-        let state = self.state();
-        let still = vec![0.0; state.d.len()];
-        let surfaces = SurfaceFlow {
-            flow: &self.flow,
-            time: state.time,
-            data_times: &self.data_times(),
-            mover: &self.march.solver.system.mesh.mover,
-            displacement: &state.d,
-            velocity: state.past.as_ref().map_or(&still[..], |past| top(&past.v, &state.d)),
-            state: &self.state_at(|boundary| self.listed_walls().any(|wall| wall.boundary == boundary)),
-            rule: &self.surface_rule,
-        };
+        let mover = &self.march.solver.system.mesh.mover;
+        let (top, within) = self.slab_at(|boundary| self.listed_walls().any(|wall| wall.boundary == boundary));
+        let surfaces = SurfaceFlow { flow: &self.flow, mover, rule: &self.surface_rule, top, within };
         self.listed_walls().map(|wall| surfaces.of_wall::<M>(wall)).collect()
     }
 

@@ -44,7 +44,8 @@ pub(super) fn check_rate(checker: &Checker<'_>, key: &Key, motion: Arguments<'_>
     checker.require_of_formula(key, &quantity, false, accepted)
 }
 
-fn undefined<const D: usize>(checker: &Checker<'_>, key: &Key, x: &[f64; D], t: f64) -> Box<CaseError> {
+/// The error of a displacement that has no value at `x` and `t`.
+pub(super) fn undefined<const D: usize>(checker: &Checker<'_>, key: &Key, x: &[f64; D], t: f64) -> Box<CaseError> {
     let ranges = checker.tables().map(|(name, table)| {
         let (first, last) = table.range();
         format!("; table `{name}` reaches from {first} to {last}")

@@ -5,7 +5,7 @@ mod material;
 use self::material::Elasticity;
 use super::Time;
 use super::boundary_motion::{Boundaries, check_formulas};
-use super::displacement::check_displacement;
+use super::displacement::{check_displacement, undefined};
 use super::mesh_crate::{Mesh, NodeNumbering};
 use super::movers::Movers;
 use super::shared_nodes::{nodes_on, not_periodic, periodic_copies_apart};
@@ -323,6 +323,9 @@ pub(super) fn check_start<const D: usize>(
     start: f64,
     size: f64,
 ) -> Checked<()> {
+    if d.iter().any(|d| d.is_nan()) {
+        return Err(undefined(checker, &key(0), x, start));
+    }
     match d.iter().position(|d| !is_round_off(*d, size)) {
         Some(axis) => {
             let cause = Cause::MovedAtStart { time: start, position: x.to_vec(), value: d[axis] };

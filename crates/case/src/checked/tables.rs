@@ -62,11 +62,11 @@ fn read(checker: &Checker<'_>, key: &Key, file: &Path, column: Option<&Column>) 
     let refused = |cause| checker.error(&file_key, cause);
     let text = input_file::read_text(&path, LARGEST_TABLE)
         .map_err(|error| refused(Cause::File { path: path.clone(), error }))?;
-    let lines = text.lines().enumerate().map(|(index, line)| (index + 1, entries(line)));
+    let lines = text.lines().enumerate().map(|(index, line)| ((index + 1, line.trim()), entries(line)));
     let mut lines = lines.filter(|(_, entries)| !entries.is_empty()).peekable();
     let mut head = || lines.next_if(|(_, entries)| entries.iter().all(|entry| number(entry).is_none()));
     let (names_line, names): (usize, Vec<String>) =
-        head().map(|(line, names)| (line, names.into_iter().map(str::to_owned).collect())).unwrap_or_default();
+        head().map(|((line, _), names)| (line, names.into_iter().map(str::to_owned).collect())).unwrap_or_default();
     // A line of units may follow.
     while head().is_some() {}
     let by_name = matches!(column, Some(Column::Name(_)));
@@ -76,16 +76,16 @@ fn read(checker: &Checker<'_>, key: &Key, file: &Path, column: Option<&Column>) 
     let named = names.iter().rposition(|name| !name.is_empty()).map_or(0, |last| last + 1)..=names.len();
     let fits = |count: usize| !by_name || named.contains(&count);
     let mut first = None;
-    for (line, entries) in lines {
+    for ((line, found), entries) in lines {
         let of_first = if fits(entries.len()) { [line, entries.len()] } else { [names_line, names.len()] };
         let [first_line, expected] = *first.get_or_insert(of_first);
         if entries.len() != expected {
-            let (found, entries) = (entries.join(", "), entries.len());
+            let (found, entries) = (found.to_owned(), entries.len());
             return Err(refused(Cause::Ragged { path, line, found, entries, expected, first_line }));
         }
         let number = |index: usize| entries.get(index).and_then(|entry| number(entry));
         let (Some(time), Some(value)) = (number(0), number(column)) else {
-            let found = entries.join(", ");
+            let found = found.to_owned();
             return Err(refused(Cause::Row { path, line, found, column: column + 1 }));
         };
         t.push(time);
@@ -107,13 +107,21 @@ fn place(checker: &Checker<'_>, key: &Key, column: &Column, names: &[String]) ->
             Ok(number - 1)
         }
         Column::Name(name) => {
-            let found = names.iter().position(|known| known == name);
-            let without = || names.iter().position(|known| without_unit(known) == name);
-            found.or_else(without).ok_or_else(|| {
-                let cause =
-                    Cause::Unknown { kind: "column", name: name.clone(), accepted: names.to_vec(), belongs: None };
-                checker.error(key, cause)
-            })
+            let all = |is: &dyn Fn(&str) -> bool| (0..names.len()).filter(|&i| is(&names[i])).collect::<Vec<usize>>();
+            let exact = all(&|known| known == name);
+            let found = if exact.is_empty() { all(&|known| without_unit(known) == name) } else { exact };
+            match found[..] {
+                [] => {
+                    let cause =
+                        Cause::Unknown { kind: "column", name: name.clone(), accepted: names.to_vec(), belongs: None };
+                    Err(checker.error(key, cause))
+                }
+                [column] => Ok(column),
+                [first, second, ..] => {
+                    let problem = format!("columns {} and {} are called \"{name}\"", first + 1, second + 1);
+                    Err(checker.combination(key, &problem, "the number of the column"))
+                }
+            }
         }
     }
 }
@@ -123,13 +131,17 @@ fn without_unit(name: &str) -> &str {
     name.split(['[', '(', '/']).next().unwrap_or(name).trim()
 }
 
-/// The entries of a line without its comment. They are separated by semicolons if there are any, otherwise by tabs, commas or blanks.
+/// The entries of a line without its comment. They are separated by semicolons if there are any, otherwise by tabs, commas or blanks. Commas within
+/// numbers that blanks separate are decimal points.
 fn entries(line: &str) -> Vec<&str> {
     let quoted = quoted(line);
     let comment = line.bytes().zip(&quoted).position(|(c, quoted)| c == b'#' && !quoted).unwrap_or(line.len());
     let line = &line[..comment];
     let separates = |c: char| line.bytes().zip(&quoted).any(|(byte, quoted)| byte == c as u8 && !quoted);
-    let (separator, parts) = match [';', '\t', ','].into_iter().find(|c| separates(*c)) {
+    let has_decimal_commas = line.split(',').any(|part| part.trim().contains(char::is_whitespace))
+        && line.split_whitespace().all(|word| !word.ends_with(',') && number(word).is_some());
+    let separators = if has_decimal_commas { &[';', '\t'][..] } else { &[';', '\t', ','] };
+    let (separator, parts) = match separators.iter().copied().find(|c| separates(*c)) {
         Some(separator) => (Some(separator), split(line, &quoted, |c| c == separator)),
         None => (None, split(line, &quoted, char::is_whitespace)),
     };

@@ -82,6 +82,7 @@ fn tables_of_spreadsheets_are_read() {
         ("t;pitch;heave/m\ns;deg;m\n0,0;5,5;0,0\n1,0;6,5;1,0\n2,0;7,5;3,0\n", "column = \"heave\""),
         ("t\tthe pitch\theave\n0,0\t5,5\t0\n1,0\t6,5\t1\n2,0\t7,5\t3,0\n", "column = \"heave\""),
         ("  0   5   0\n  1   6   1\n  2   7   3\n", "column = 3"),
+        ("t pitch heave\n0 5 0\n1,0 5,5 1,0\n2,0 5,5 3\n", "column = \"heave\""),
     ] {
         assert_eq!(heave(file, column), 6.0, "{file}");
     }
@@ -89,6 +90,22 @@ fn tables_of_spreadsheets_are_read() {
     assert!(message.contains("`tables.way.column = -1`") && message.contains("a whole number from 1"), "{message}");
     let message = with("t = [0, 1]\nvalues = [0, 1]\ncolumn = 0").unwrap_err().to_string();
     assert!(message.contains("`column` is that of a file"), "{message}");
+}
+
+/// The first of two columns of one name was taken without a word; entries were shown as they had been read, not as they stand.
+#[test]
+fn columns_of_one_name_and_lines_that_cannot_be_read_are_told() {
+    let directory = tempfile::tempdir().unwrap();
+    let refused = |file: &str| {
+        std::fs::write(directory.path().join("way.csv"), file).unwrap();
+        let text = format!("{TABLE}file = \"way.csv\"\ncolumn = \"heave\"\nends = \"at_rest\"");
+        let document = Document::parse(&directory.path().join("case.toml"), text, &[]);
+        document.and_then(|document| AnyCase::check(&document)).unwrap_err().to_string()
+    };
+    let message = refused("t,heave,heave\n0,0,0\n1,1,2\n");
+    assert!(message.contains("columns 2 and 3 are called \"heave\"") && message.contains("the number"), "{message}");
+    let message = refused("t;heave\n0;0\n1; one\n");
+    assert!(message.contains("`1; one`"), "{message}");
 }
 
 #[test]
@@ -105,6 +122,7 @@ fn what_is_wrong_with_a_table_is_named_by_its_key() {
             ["others.displacement", "`way` reaches from 0 to 3", "\"at_rest\""],
         ),
         ("t = [0, 4]\nvalues = [1, 2]\nends = \"at_rest\"", ["displacement at the start", "t = 0, is 2e0", "zero"]),
+        ("t = [1, 4]\nvalues = [0, 2]", ["has no value at", "t = 0;", "`way` reaches from 1 to 4"]),
         ("t = [0, 4]\nvalues = [0, 2]\nends = \"rest\"", ["ends = \"rest\"`", "`at_rest`", "`periodic`"]),
     ] {
         let message = with(lines).unwrap_err().to_string();

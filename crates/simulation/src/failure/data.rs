@@ -31,6 +31,8 @@ pub struct Bodies {
     pub added_mass: f64,
     /// What nothing holds in a search for an equilibrium, and the remedy.
     pub unheld: Option<[String; 2]>,
+    /// det(I + grad d) where the structure was inverted in the last attempt, if it was.
+    pub inverted: Option<f64>,
 }
 
 /// The part that failed.

@@ -61,7 +61,7 @@ const OF_STRUCTURE: [Rule; 6] = [
     structure_rules::nearly_incompressible,
 ];
 
-const OF_FLOW: [Rule; 17] = [
+const OF_FLOW: [Rule; 18] = [
     gas_rules::opening,
     gas_rules::near_vacuum,
     gas_rules::boundary_condition,
@@ -79,6 +79,7 @@ const OF_FLOW: [Rule; 17] = [
     body_rules::far_in_one_slab,
     body_rules::light_body,
     body_rules::unheld,
+    body_rules::crushed,
 ];
 
 /// The likeliest causes, in decreasing order.

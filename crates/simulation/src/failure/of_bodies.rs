@@ -19,6 +19,7 @@ pub fn measure<const D: usize>(
         travel: travel(grid, state, dt),
         added_mass: added_mass(case, flow),
         unheld: None,
+        inverted: None,
     })
 }
 

@@ -12,9 +12,11 @@ use crate::body_checks::unheld;
 use crate::cells::StateInCells;
 use case::{Case, Flow, State};
 use coupled::{FlowMarch, Interval, MarchError, MeshMover, ResidualBreakdown, SlabError, SteadyError};
-use elasticity::ElasticityError;
+use elasticity::{ElasticityError, Inversion};
 use navier_stokes::ExactState;
 use newton_krylov::newton;
+use newton_krylov::problem::Inadmissible;
+use std::error::Error;
 
 /// A failed run of mesh and flow.
 pub struct Failed<'a, const D: usize, const M: usize> {
@@ -75,6 +77,9 @@ where
         if let Some(SlabError::Invalid { quality }) = self.error {
             mesh.smallest_det_j = quality.sampled_min;
         }
+        if let Some(value) = self.inadmissible("det J / det J_0") {
+            mesh.smallest_det_j = value;
+        }
         Finding {
             cell: self.worst_cell(&grid, &gases),
             residuals: self.residual_breakdown().map_or_else(Vec::new, per_equation::<D>),
@@ -95,7 +100,17 @@ where
         let is_released = self.steady.is_none() && self.statistics.steady.is_none() && self.state.slab == 0;
         let dt = self.interval.end - self.interval.start;
         let bodies = of_bodies::measure(self.case, self.flow, grid, self.state, dt)?;
-        Some(Bodies { unheld: if is_released { unheld(self.case) } else { None }, ..bodies })
+        let unheld = if is_released { unheld(self.case) } else { None };
+        let of_structure = Inadmissible::from(Inversion { cell: 0, volume_ratio: 0.0 });
+        Some(Bodies { unheld, inverted: self.inadmissible(&of_structure.quantity), ..bodies })
+    }
+
+    /// The value of `quantity` in the state without a residual at which the solve ended, if it was that.
+    fn inadmissible(&self, quantity: &str) -> Option<f64> {
+        let first: &(dyn Error + 'static) = self.error?;
+        let mut chain = anyhow::Chain::new(first);
+        let found = chain.find_map(|error| error.downcast_ref::<Inadmissible>())?;
+        (found.quantity == quantity).then_some(found.value)
     }
 
     fn mover(&self) -> &'a MeshMover<D> {

@@ -1,7 +1,7 @@
 //! What a run observes of its flow: inflows and outflows, points, integrals.
 
 use super::FlowRun;
-use crate::cells::StateInCells;
+use crate::cells::{StateInCells, combined};
 use crate::context::RunContext;
 use crate::crew::{OfCells, Order};
 use crate::drive::Run;
@@ -9,9 +9,11 @@ use crate::failure::{Grid, Then, by_point};
 use crate::opening_states::OpeningStates;
 use crate::probes::FlowAtPoints;
 use crate::record::top;
+use crate::surfaces::FlowAt;
 use crate::{history, integrals, openings};
 use case::State;
-use fem::{Clock, DataTime, StateField};
+use coupled::Past;
+use fem::{Clock, StateField, TimePoint};
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 
 impl<const D: usize, const M: usize> FlowRun<'_, D, M>
@@ -33,10 +35,28 @@ where
         StateInCells::some(&cells, self.crew.gather(self.own(), OfCells::State, &cells), len)
     }
 
+    /// The flow of the last slab, `past`, in `cells`, which may be listed twice: `[time node][component][node]`.
+    fn slab_in(&self, past: &Past, mut cells: Vec<usize>) -> StateInCells<'static> {
+        let layout = self.layout();
+        cells.sort_unstable();
+        cells.dedup();
+        let values = if self.march.solver.system.flow.operator.share.is_whole() {
+            cells.iter().flat_map(|&cell| &past.u[layout.cell(cell)]).copied().collect()
+        } else {
+            self.crew.gather(self.own(), OfCells::Slab, &cells)
+        };
+        StateInCells::some(&cells, values, layout.cell_len())
+    }
+
     /// The present state in the cells at some boundaries.
     pub(super) fn state_at(&self, is_wanted: impl Fn(usize) -> bool) -> StateInCells<'_> {
+        self.state_in(self.cells_at(is_wanted))
+    }
+
+    /// The cells at some boundaries, each for every facet.
+    fn cells_at(&self, is_wanted: impl Fn(usize) -> bool) -> Vec<usize> {
         let facets = self.case.mesh.boundary_facets().iter().filter(|facet| is_wanted(facet.boundary));
-        self.state_in(facets.map(|facet| facet.side.cell).collect())
+        facets.map(|facet| facet.side.cell).collect()
     }
 
     /// The present state in the cells at inflows and outflows.
@@ -57,13 +77,36 @@ where
         }
     }
 
-    /// The times at which data of walls are read for the end of the last slab.
-    pub(super) fn data_times(&self) -> Vec<DataTime> {
+    /// Flow and mesh at some boundaries at the end of the last slab; and at the times of the slab with a share in (penalty at top), with these shares.
+    pub(super) fn slab_at(&self, is_wanted: impl Fn(usize) -> bool) -> (FlowAt<'_>, Vec<(f64, FlowAt<'_>)>) {
         let state = self.state();
-        let Some(past) = &state.past else { return vec![DataTime::alone(state.time)] };
+        let velocity = match &state.past {
+            Some(past) => top(&past.v, &state.d).into(),
+            None => vec![0.0; state.d.len()].into(),
+        };
+        let at_top = FlowAt {
+            time: state.time,
+            displacement: (&state.d[..]).into(),
+            velocity,
+            state: self.state_at(&is_wanted),
+        };
+        let Some(past) = &state.past else { return (at_top, Vec::new()) };
         let operator = &self.march.solver.system.flow.operator;
         let clock = Clock::of_slab(past.interval.start, past.dt, operator.held_time());
-        operator.tables.data_times(clock, past.dt)
+        let flow = self.slab_in(past, self.cells_at(is_wanted));
+        let motion: Vec<&[f64]> =
+            [&past.bottom[..]].into_iter().chain(past.v.chunks_exact(past.bottom.len())).collect();
+        let at = |(share, point): (f64, &TimePoint)| {
+            let at_time = FlowAt {
+                time: clock.time(point.s),
+                displacement: combined(point.position_row(past.dt).row(0), &motion).into(),
+                velocity: combined(point.velocities.row(0), &motion).into(),
+                state: flow.at_time(point.values.row(0)),
+            };
+            (share, at_time)
+        };
+        let shares = operator.tables.shares_at_top().into_iter().zip(&operator.tables.time_points);
+        (at_top, shares.filter(|(share, _)| *share != 0.0).map(at).collect())
     }
 
     /// The mean states at openings, the flow at the points of the case, and its integrals.

@@ -21,7 +21,13 @@ impl Origin {
     pub(super) fn check_mesh<const D: usize>(&self, case: &Case<D>) -> Result<bool, RestartError> {
         match self.mesh_difference(case) {
             None => Ok(false),
-            Some(MeshDifference::Cells | MeshDifference::Nodes(_)) if case.allows(AllowedChange::Mesh) => Ok(true),
+            Some(MeshDifference::Cells | MeshDifference::Nodes(_)) if case.allows(AllowedChange::Mesh) => {
+                if self.has_structure(case) {
+                    let here = "one beside a structure, which cannot be interpolated";
+                    return Err(self.differs("the mesh", "another one", here));
+                }
+                Ok(true)
+            }
             Some(difference) => Err(self.told(case, &difference)),
         }
     }
@@ -84,7 +90,7 @@ impl Origin {
     }
 
     /// Whether there is a structure here or there.
-    pub(super) fn has_structure<const D: usize>(&self, case: &Case<D>) -> bool {
+    fn has_structure<const D: usize>(&self, case: &Case<D>) -> bool {
         case.structure.is_some() || self.cells_of_structure() > 0
     }
 }

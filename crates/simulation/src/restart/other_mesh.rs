@@ -105,15 +105,8 @@ impl Origin {
         Ok((!told.is_empty()).then(|| told.join("; ")))
     }
 
-    /// Neither mesh may have moved, and there may be no structure.
+    /// Neither mesh may have moved.
     fn require_rest<const D: usize>(&self, case: &Case<D>, state: &State) -> Result<(), RestartError> {
-        if self.has_structure(case) {
-            return Err(self.differs(
-                "the mesh",
-                "another one",
-                "one beside a structure, which cannot be interpolated",
-            ));
-        }
         let way = largest(state.d.iter().map(|d| d.abs()));
         if way > 1e-12 * case.mesh.diameter() {
             let there = format!("moved by up to {way:.1e} at t = {}", coupled::rounded_time(state.time));

@@ -5,7 +5,8 @@
 //! y+ = rho u_tau y / mu,        u_tau = (|tau_t| / rho)^1/2                                                        (distribution)
 //! ```
 //!
-//! Fhat is the numerical flux of the scheme with its penalty, at the quadrature points of the scheme. Sums of f times `area` over the rows are
+//! Fhat is the numerical flux of the scheme, at the quadrature points of the scheme, with the penalty that the equations of the top of the slab see,
+//! (penalty at top). Sums of f times `area` over the rows are
 //! the force on the wall in history.csv, to round-off. tau_t is the part of the friction tau along the wall. The distance y is the distance of
 //! the first nodes from the wall.
 
@@ -18,31 +19,38 @@ use basis::Rule;
 use case::surface_name;
 use case::{BoundaryData, Flow, Wall};
 use coupled::MeshMover;
-use fem::{BoundaryPoint, ConservationLaw, DataTime, Inside, PointFlux, Quadrature, Sampler};
+use fem::{BoundaryPoint, ConservationLaw, Inside, PointFlux, Quadrature, Sampler};
 use mesh::{BoundaryFacet, axis_and_side, outward_area, outward_sign};
 use navier_stokes::{Boundary, NavierStokes, Primitive};
 use output::ArraySpec;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use tensor::{cofactor, determinant, dot, norm};
 
-/// The flow at one time.
+/// The flow at the end of a slab.
 pub struct SurfaceFlow<'a, const D: usize> {
     /// The flow of the case.
     pub flow: &'a Flow<D>,
-    /// The time.
-    pub time: f64,
-    /// The times of [`DataTime`] in the slab below.
-    pub data_times: &'a [DataTime],
     /// The mesh.
     pub mover: &'a MeshMover<D>,
-    /// Its displacement, `[C0 node][component]`.
-    pub displacement: &'a [f64],
-    /// Its velocity, `[C0 node][component]`.
-    pub velocity: &'a [f64],
-    /// The state of a cell, `[component][node]`.
-    pub state: &'a StateInCells<'a>,
     /// The quadrature of the scheme in one direction.
     pub rule: &'a Rule,
+    /// The end.
+    pub top: FlowAt<'a>,
+    /// The times of the slab with a share in (penalty at top), and these shares.
+    pub within: Vec<(f64, FlowAt<'a>)>,
+}
+
+/// Flow and mesh at one time.
+pub struct FlowAt<'a> {
+    /// The time.
+    pub time: f64,
+    /// The displacement of the mesh, `[C0 node][component]`.
+    pub displacement: Cow<'a, [f64]>,
+    /// Its velocity, `[C0 node][component]`.
+    pub velocity: Cow<'a, [f64]>,
+    /// The state in the cells at walls.
+    pub state: StateInCells<'a>,
 }
 
 /// From the nodes of a cell of the mesh to those that the scheme sees, `[component][node]`.
@@ -57,10 +65,19 @@ struct WallFlux<const D: usize> {
     heat: f64,
 }
 
-/// A point of a wall.
+impl<const D: usize> WallFlux<D> {
+    /// Adds friction and heat of `other`, times `factor`.
+    fn add_rubbing(&mut self, factor: f64, other: &Self) {
+        self.friction.iter_mut().zip(&other.friction).for_each(|(sum, f)| *sum += factor * f);
+        self.heat += factor * other.heat;
+    }
+}
+
+/// A point of a wall at a time.
 struct Here<'a, const D: usize, const M: usize> {
     wall: &'a Wall<D>,
     face: usize,
+    time: f64,
     position: [f64; D],
     u: [f64; M],
     /// grad u, `[direction][component]`.
@@ -151,41 +168,61 @@ impl<const D: usize> SurfaceFlow<'_, D> {
     where
         NavierStokes<D>: ConservationLaw<D, M, Boundary = Boundary<D>>,
     {
+        let points_at = |time| self.points_at::<M>(time, wall, facet, points, seen);
+        let within: Vec<(f64, Vec<Here<'_, D, M>>)> =
+            self.within.iter().map(|(share, time)| (*share, points_at(time))).collect();
+        let row = |(p, here): (usize, &Here<'_, D, M>)| {
+            let before: Vec<(f64, &Here<'_, D, M>)> = within.iter().map(|(share, at)| (*share, &at[p])).collect();
+            let along: &[f64] = if D == 2 { &[0.0; 2] } else { &[0.0] };
+            [along, &here.position, &self.values(here, &before, points.weights[p])].concat()
+        };
+        points_at(&self.top).iter().enumerate().map(row).collect()
+    }
+
+    /// The points of a facet at a time.
+    fn points_at<'w, const M: usize>(
+        &self,
+        time: &FlowAt<'_>,
+        wall: &'w Wall<D>,
+        facet: &BoundaryFacet,
+        points: &FacePoints<D>,
+        seen: &Seen,
+    ) -> Vec<Here<'w, D, M>> {
         let (cell, face) = (facet.side.cell, facet.side.face);
         let nodes = self.mover.numbering.cell(cell);
-        let nodal = by_node::<D>(&seen(self.mover.cell_positions(cell, self.displacement)));
-        let velocity = seen((0..D).flat_map(|i| nodes.iter().map(move |node| self.velocity[node * D + i])).collect());
+        let nodal = by_node::<D>(&seen(self.mover.cell_positions(cell, &time.displacement)));
+        let of_nodes = (0..D).flat_map(|i| nodes.iter().map(move |node| time.velocity[node * D + i]));
+        let velocity = seen(of_nodes.collect());
         let (x, jacobians) = (points.map.positions(&nodal), points.map.jacobians(&nodal));
-        let coefficients = self.state.of(cell);
+        let coefficients = time.state.of(cell);
         let at = |p: usize| {
             let [of_flow, of_mesh] = &points.functions[p];
             let value = |m: usize, functions: &[f64]| dot_of(&coefficients[m * functions.len()..], functions);
             let slopes: [[f64; M]; D] =
                 std::array::from_fn(|j| std::array::from_fn(|m| value(m, &points.slopes[p][j])));
             let moved = |i: usize| dot_of(&velocity[i * of_mesh.len()..], of_mesh);
-            let here = Here {
+            Here {
                 wall,
                 face,
+                time: time.time,
                 position: x[p],
                 u: std::array::from_fn(|m| value(m, of_flow)),
                 gradient: physical(&slopes, &jacobians[p]),
                 jacobian: jacobians[p],
                 velocity: std::array::from_fn(moved),
-            };
-            let along: &[f64] = if D == 2 { &[0.0; 2] } else { &[0.0] };
-            [along, &x[p], &self.values(&here, points.weights[p])].concat()
+            }
         };
         (0..points.weights.len()).map(at).collect()
     }
 
-    /// The columns from the normal on.
-    fn values<const M: usize>(&self, here: &Here<'_, D, M>, weight: f64) -> Vec<f64>
+    /// The columns from the normal on, with the same point `before` the end and the shares of those times.
+    fn values<const M: usize>(&self, here: &Here<'_, D, M>, before: &[(f64, &Here<'_, D, M>)], weight: f64) -> Vec<f64>
     where
         NavierStokes<D>: ConservationLaw<D, M, Boundary = Boundary<D>>,
     {
         let q = here.wall.scales.dynamic_pressure;
         let (normal, size) = unit_normal(here);
-        let WallFlux { pressure, friction, heat } = self.flux(here);
+        let WallFlux { pressure, friction, heat } = self.flux(here, before);
         let across = dot(&friction, &normal);
         let tangential: [f64; D] = std::array::from_fn(|i| friction[i] - across * normal[i]);
         let pressure_coefficient = (pressure - self.flow.reference_pressure()) / q;
@@ -195,24 +232,28 @@ impl<const D: usize> SurfaceFlow<'_, D> {
         [&normal[..], &areas, &friction, &tangential.map(|tau| tau / q), &scalars].concat()
     }
 
-    /// The data of the wall. Where the gas takes their values, they are those of [`DataTime`].
-    fn data<const M: usize>(&self, here: &Here<'_, D, M>) -> [f64; M]
+    /// The data of the wall.
+    fn data<const M: usize>(&self, here: &Here<'_, D, M>) -> [f64; M] {
+        let BoundaryData { data, .. } = &self.flow.boundary[here.wall.boundary];
+        data.as_ref().map_or([0.0; M], |data| data.at::<M>(&here.position, here.time))
+    }
+
+    /// The numerical flux of the wall, with (penalty at top).
+    fn flux<const M: usize>(&self, here: &Here<'_, D, M>, before: &[(f64, &Here<'_, D, M>)]) -> WallFlux<D>
     where
         NavierStokes<D>: ConservationLaw<D, M, Boundary = Boundary<D>>,
     {
-        let BoundaryData { condition, data, .. } = &self.flow.boundary[here.wall.boundary];
-        let (mut sum, exact) = ([0.0; M], [DataTime::alone(self.time)]);
-        let Some(data) = data else { return sum };
-        let times = if self.flow.law.imposes_data(*condition) { self.data_times } else { &exact };
-        let at = |time: f64, then: &[f64], values: &mut [f64]| {
-            values.copy_from_slice(&data.at::<M>(&std::array::from_fn(|i| then[i]), time));
-        };
-        DataTime::add_data(times, [&here.position, &here.velocity], &mut sum, |a, f, b| a + f * b, at);
-        sum
+        let [mut flux, penalty] = self.parts_of_flux(here);
+        if before.is_empty() {
+            return flux;
+        }
+        flux.add_rubbing(-1.0, &penalty);
+        before.iter().for_each(|(share, here)| flux.add_rubbing(*share, &self.parts_of_flux(here)[1]));
+        flux
     }
 
-    /// The numerical flux of the wall.
-    fn flux<const M: usize>(&self, here: &Here<'_, D, M>) -> WallFlux<D>
+    /// The numerical flux of the wall, and its penalty.
+    fn parts_of_flux<const M: usize>(&self, here: &Here<'_, D, M>) -> [WallFlux<D>; 2]
     where
         NavierStokes<D>: ConservationLaw<D, M, Boundary = Boundary<D>>,
     {
@@ -225,11 +266,13 @@ impl<const D: usize> SurfaceFlow<'_, D> {
             sigma: size / det(&here.jacobian).abs() * self.flow.order.pow(2) as f64,
             grid: grid(&here.jacobian, self.flow.order),
         });
-        let PointFlux { inviscid, viscous, .. } = PointFlux::new(law, condition, &here.u, at, inside.as_ref());
-        let friction = law.momentum(&viscous);
+        let PointFlux { inviscid, viscous, penalty, .. } = PointFlux::new(law, condition, &here.u, at, inside.as_ref());
         let moving = law.boundary_velocity(condition, at);
-        let heat = law.energy(&viscous) - dot(&friction, &moving);
-        WallFlux { pressure: dot(&law.momentum(&inviscid), &normal), friction, heat }
+        let pressure = dot(&law.momentum(&inviscid), &normal);
+        [viscous, penalty].map(|flux| {
+            let friction = law.momentum(&flux);
+            WallFlux { pressure, friction, heat: law.energy(&flux) - dot(&friction, &moving) }
+        })
     }
 
     /// y+ of the first nodes.

@@ -22,7 +22,7 @@ mod section;
 pub use added::{added, late_means, listed};
 pub use case::surface_name;
 pub use columns::{Column, columns};
-pub use distribution::{SurfaceFlow, physical};
+pub use distribution::{FlowAt, SurfaceFlow, physical};
 pub use files::write;
 pub use mean::{MeansOf, write_means};
 pub use section::Section;

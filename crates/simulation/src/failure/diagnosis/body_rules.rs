@@ -9,6 +9,19 @@ pub fn unheld(data: &FailureData) -> Option<Cause> {
     Some(Cause { name: "unheld_body", likelihood: 0.95, what, remedy })
 }
 
+/// The gas turns the structure inside out.
+pub fn crushed(data: &FailureData) -> Option<Cause> {
+    let ratio = data.bodies.as_ref()?.inverted?;
+    Some(Cause {
+        name: "crushed_structure",
+        likelihood: 0.94,
+        what: format!("the gas turns the structure inside out: det(I + grad d) is {} in a cell of it", number(ratio)),
+        remedy: "give boundaries that the gas does not touch a `follower_pressure` that balances the mean pressure of the gas; a larger \
+                 `structure.young_modulus`; a shorter `time.step`"
+            .into(),
+    })
+}
+
 /// A body crosses its cells within one slab: it is too soft, or the slab too long.
 pub fn far_in_one_slab(data: &FailureData) -> Option<Cause> {
     let travel = data.bodies.as_ref()?.travel;

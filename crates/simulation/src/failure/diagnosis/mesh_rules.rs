@@ -53,9 +53,9 @@ fn trust(mesh: &Mesh) -> f64 {
     if mesh.undefined.is_some() { 0.0 } else { 1.0 - rises(mesh.reach, FAR) }
 }
 
-/// The tolerance of the equilibrium, if the case can choose it.
+/// The tolerance of the equilibrium, if the case can choose it. Beside a flow the mesh is solved to round-off.
 fn in_equilibrium(mesh: &Mesh) -> String {
-    mesh.tolerance.map_or_else(String::new, |tolerance| {
+    mesh.tolerance.filter(|_| mesh.alone).map_or_else(String::new, |tolerance| {
         format!(", in equilibrium to {} distances of nodes (`motion.elasticity.tolerance`)", number(tolerance))
     })
 }
@@ -119,7 +119,7 @@ pub fn stiffness(data: &FailureData) -> Option<Cause> {
 /// The mesh has poor cells at rest.
 pub fn uneven_cells(data: &FailureData) -> Option<Cause> {
     let mesh = &data.mesh;
-    Some(Cause {
+    (mesh.evenness < 0.9).then(|| Cause {
         name: "uneven_cells",
         likelihood: 0.1 + 0.7 * (1.0 - rises(mesh.evenness, 0.1)),
         what: format!(

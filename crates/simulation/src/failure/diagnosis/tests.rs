@@ -134,20 +134,23 @@ fn a_fact_of_the_solver_names_its_cause() {
 
 #[test]
 fn a_fact_of_a_body_names_its_cause() {
-    let of = |travel, added_mass| first(|e| e.bodies = Some(Bodies { travel, added_mass, unheld: None }));
+    let of =
+        |travel, added_mass| first(|e| e.bodies = Some(Bodies { travel, added_mass, unheld: None, inverted: None }));
     assert_eq!(of(0.01, 0.1), "not_resolved");
     assert_eq!(of(3.0, 0.1), "body_far_in_one_slab");
     assert_eq!(of(0.01, 300.0), "light_body");
+    let crushed = Bodies { travel: 0.01, added_mass: 300.0, unheld: None, inverted: Some(-2e-3) };
+    assert_eq!(first(|e| e.bodies = Some(crushed)), "crushed_structure");
     let unheld = Some(["nothing holds it".to_owned(), "a spring".to_owned()]);
     for gave_up in [GaveUp::Newton, GaveUp::InvertedCell, GaveUp::Other] {
-        let bodies = Some(Bodies { travel: 3.0, added_mass: 1e-4, unheld: unheld.clone() });
+        let bodies = Some(Bodies { travel: 3.0, added_mass: 1e-4, unheld: unheld.clone(), inverted: None });
         assert_eq!(first(|e| (e.gave_up, e.bodies) = (gave_up, bodies)), "unheld_body");
     }
     // Nobody can look at a motion that the flow decides.
     let mut data = nothing_suspicious();
     data.gave_up = GaveUp::InvertedCell;
     data.mesh.motion = Motion::Elastic;
-    data.bodies = Some(Bodies { travel: 0.01, added_mass: 0.1, unheld: None });
+    data.bodies = Some(Bodies { travel: 0.01, added_mass: 0.1, unheld: None, inverted: None });
     assert!(causes(&data).iter().all(|cause| !cause.remedy.contains("stsolve motion")), "{:?}", causes(&data));
     data.mesh.motion = Motion::Prescribed;
     assert_eq!(causes(&data)[0].name, "folding_weights");
