@@ -55,16 +55,19 @@ fn a_support_that_jumps_is_refused() {
     }
 }
 
-/// The message spoke of "coordinates of the bodies" where the structure had more nodes.
+/// The message spoke of "coordinates of the bodies" where flow or structure had another mesh.
 #[test]
 fn another_mesh_beside_a_structure_is_refused() {
     let directory = TempDir::new().unwrap();
     run(directory.path(), "elastic_piston", &PISTON, None, "first").expect(0, &[]);
-    let finer = "mesh.generate.box.segments={x=[{end=0,cells=4},{end=1.2,cells=3}]}";
-    let cells = "mesh.generate.box.cells=[7,1]";
-    let changes = [&PISTON[..], &[cells, finer, "time.end=0.6", "restart.allow=[\"mesh\"]"]].concat();
-    let told = ["beside a structure, which cannot be interpolated"];
-    run(directory.path(), "elastic_piston", &changes, Some("first"), "then").expect(2, &told);
+    for (solid, gas, told) in
+        [(4, 3, "the mesh of the structure there: "), (3, 4, "beside a structure, which cannot be")]
+    {
+        let cells = format!("mesh.generate.box.cells=[{},1]", solid + gas);
+        let segments = format!("mesh.generate.box.segments={{x=[{{end=0,cells={solid}}},{{end=1.2,cells={gas}}}]}}");
+        let changes = [&PISTON[..], &[&cells, &segments, "time.end=0.6", "restart.allow=[\"mesh\"]"]].concat();
+        run(directory.path(), "elastic_piston", &changes, Some("first"), "then").expect(2, &[told]);
+    }
 }
 
 /// A piston that is driven, with slabs that adapt.

@@ -46,11 +46,13 @@ where
     (0..M).map(error).fold(0.0, f64::max)
 }
 
-/// The energy that leaves the gas through a wall is work and heat; there is heat only at an isothermal wall.
+/// The energy that leaves the gas through a wall is work and heat; there is heat only at an isothermal wall. At the top, which has no weight, the penalty
+/// is that of times before, when the wall had other velocities: the heat is that which it took up then.
 fn assert_work_and_heat_are_the_energy<const D: usize, const M: usize>(fluxes: &[FluxesAt<M>], wall: &Boundary<D>) {
-    for flux in fluxes.iter().flat_map(|at| &at.boundaries) {
+    for (weight, flux) in fluxes.iter().flat_map(|at| at.boundaries.iter().map(|flux| (at.weight, flux))) {
         let (energy, size) = (flux.total()[M - 1], flux.work.abs() + flux.heat.abs());
-        assert!(size > 1e-6 && (energy - flux.work - flux.heat).abs() < 1e-13 * (1.0 + size), "{wall:?}: {flux:?}");
+        let rest = (energy - flux.work - flux.heat).abs();
+        assert!(size > 1e-6 && (weight == 0.0 || rest < 1e-13 * (1.0 + size)), "{wall:?}: {flux:?}");
         let conducts = matches!(wall, Boundary::IsothermalWall(_));
         assert_eq!(flux.heat.abs() > 1e-13, conducts, "{wall:?}: {flux:?}");
     }

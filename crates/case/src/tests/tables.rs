@@ -49,7 +49,7 @@ fn a_table_may_be_a_file() {
         (
             "t lift force heave\n0 5 0\n1 5 0\n",
             "column = \"heave\"",
-            ["way.csv:2: 3 entries in `0, 5, 0`, but 4 in line 1", ""],
+            ["way.csv:2: 3 entries in `0 5 0`, but 4 in line 1", ""],
         ),
         ("0, 0\n1, x\n", "", ["way.csv:2: no numbers in columns 1 and 2 of `1, x`", "separated by semicolons"]),
         ("0, 0\n\n1, 2, 3\n", "", ["way.csv:3: 3 entries in `1, 2, 3`, but 2 in line 1", "the same number"]),
@@ -122,7 +122,7 @@ fn what_is_wrong_with_a_table_is_named_by_its_key() {
             ["others.displacement", "`way` reaches from 0 to 3", "\"at_rest\""],
         ),
         ("t = [0, 4]\nvalues = [1, 2]\nends = \"at_rest\"", ["displacement at the start", "t = 0, is 2e0", "zero"]),
-        ("t = [1, 4]\nvalues = [0, 2]", ["has no value at", "t = 0;", "`way` reaches from 1 to 4"]),
+        ("t = [1, 2, 3, 4]\nvalues = [0, 1, 2, 2]", ["has no value at", "t = 0;", "`way` reaches from 1 to 4"]),
         ("t = [0, 4]\nvalues = [0, 2]\nends = \"rest\"", ["ends = \"rest\"`", "`at_rest`", "`periodic`"]),
     ] {
         let message = with(lines).unwrap_err().to_string();

@@ -90,7 +90,7 @@ impl Origin {
     }
 
     /// Whether there is a structure here or there.
-    fn has_structure<const D: usize>(&self, case: &Case<D>) -> bool {
+    pub(super) fn has_structure<const D: usize>(&self, case: &Case<D>) -> bool {
         case.structure.is_some() || self.cells_of_structure() > 0
     }
 }

@@ -45,7 +45,7 @@ pub(super) const BAD: &[BadLine] = &[
     (
         "left = { displacement",
         "left = { displacement = [\"t/0\", \"0*t/0\"] }",
-        &["displacement[0]", "zero everywhere at the start"],
+        &["displacement[0]", "has no value at"],
     ),
     (
         "left = { displacement",
