@@ -16,7 +16,7 @@ pub fn ranges(cells: usize, len: usize) -> impl Iterator<Item = Range<usize>> + 
 /// Where the state in some cells comes from; they may be listed twice.
 pub type StateSource<'a> = dyn Fn(Vec<usize>) -> StateInCells<'a> + 'a;
 
-/// The state at one time in some cells, or in all.
+/// The state at one time, or the states of a slab, in some cells or in all.
 pub struct StateInCells<'a> {
     /// `[component][node]` for each cell.
     values: Cow<'a, [f64]>,

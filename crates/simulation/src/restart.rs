@@ -271,6 +271,7 @@ impl Origin {
         // A structure comes after the rigid bodies.
         if let ([.., there], [.., here]) = (&there[..], &here[..])
             && self.has_structure(case)
+            && stored.len() == bodies::coordinates(case).len()
         {
             let told = |coordinates: &usize| format!("{coordinates} displacements of its nodes");
             return Err(self.differs("the mesh of the structure", told(there), told(here)));

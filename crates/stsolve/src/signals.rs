@@ -59,7 +59,7 @@ fn outlives_terminal() -> bool {
 /// # Errors
 /// If the system refuses to install the handlers.
 pub fn leave_to_first_process() -> io::Result<()> {
-    let mut signals = Signals::new([SIGINT, SIGTERM, SIGUSR1])?;
+    let mut signals = Signals::new([SIGINT, SIGTERM, SIGUSR1, SIGHUP])?;
     std::thread::spawn(move || signals.forever().for_each(drop));
     Ok(())
 }

@@ -323,8 +323,8 @@ pub(super) fn check_start<const D: usize>(
     start: f64,
     size: f64,
 ) -> Checked<()> {
-    if d.iter().any(|d| d.is_nan()) {
-        return Err(undefined(checker, &key(0), x, start));
+    if let Some(axis) = d.iter().position(|d| d.is_nan()) {
+        return Err(undefined(checker, &key(axis), x, start));
     }
     match d.iter().position(|d| !is_round_off(*d, size)) {
         Some(axis) => {

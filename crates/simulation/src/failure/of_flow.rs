@@ -102,7 +102,9 @@ where
         let bodies = of_bodies::measure(self.case, self.flow, grid, self.state, dt)?;
         let unheld = if is_released { unheld(self.case) } else { None };
         let of_structure = Inadmissible::from(Inversion { cell: 0, volume_ratio: 0.0 });
-        Some(Bodies { unheld, inverted: self.inadmissible(&of_structure.quantity), ..bodies })
+        // An elastic mesh of large displacement has the same quantity.
+        let inverted = self.inadmissible(&of_structure.quantity).filter(|_| self.case.structure.is_some());
+        Some(Bodies { unheld, inverted, ..bodies })
     }
 
     /// The value of `quantity` in the state without a residual at which the solve ended, if it was that.

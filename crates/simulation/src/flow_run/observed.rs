@@ -13,7 +13,7 @@ use crate::surfaces::FlowAt;
 use crate::{history, integrals, openings};
 use case::State;
 use coupled::Past;
-use fem::{Clock, StateField, TimePoint};
+use fem::{Clock, ConservationLaw, StateField, TimePoint};
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 
 impl<const D: usize, const M: usize> FlowRun<'_, D, M>
@@ -90,7 +90,10 @@ where
             velocity,
             state: self.state_at(&is_wanted),
         };
-        let Some(past) = &state.past else { return (at_top, Vec::new()) };
+        // Without viscosity there is no penalty.
+        let Some(past) = state.past.as_ref().filter(|_| self.flow.law.is_viscous()) else {
+            return (at_top, Vec::new());
+        };
         let operator = &self.march.solver.system.flow.operator;
         let clock = Clock::of_slab(past.interval.start, past.dt, operator.held_time());
         let flow = self.slab_in(past, self.cells_at(is_wanted));
