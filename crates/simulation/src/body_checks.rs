@@ -76,7 +76,7 @@ pub fn beyond_linear<const D: usize>(case: &Case<D>, state: &coupled::State) -> 
     })
 }
 
-/// The warning of what is to find its equilibrium though nothing holds it.
+/// A warning if the case asks for the equilibrium of a structure or body that nothing holds.
 pub fn unheld_in_equilibrium<const D: usize>(case: &Case<D>) -> Option<String> {
     unheld(case).map(|[what, remedy]| format!("{what}; {remedy}"))
 }
