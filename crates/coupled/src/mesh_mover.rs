@@ -124,8 +124,13 @@ impl<const D: usize> MeshMover<D> {
     /// Positions of the nodes of `cell` displaced by `d`, `[component][node]`. Nodes on periodic boundaries have the position that this
     /// cell sees.
     pub fn cell_positions(&self, cell: usize, d: &[f64]) -> Vec<f64> {
+        self.cell_positions_with(cell, &|entry| d[entry])
+    }
+
+    /// [`Self::cell_positions`] where `d` gives an entry of the displacement.
+    pub fn cell_positions_with(&self, cell: usize, d: &dyn Fn(usize) -> f64) -> Vec<f64> {
         let (nodes, x) = (self.numbering.cell(cell), self.reference.cell_coordinates(cell));
-        (0..D).flat_map(|i| nodes.iter().enumerate().map(move |(k, &node)| x[k * D + i] + d[node * D + i])).collect()
+        (0..D).flat_map(|i| nodes.iter().enumerate().map(move |(k, &node)| x[k * D + i] + d(node * D + i))).collect()
     }
 
     /// The displacement prescribed at time `t`; for an elastic mesh zero at free entries.

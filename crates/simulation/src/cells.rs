@@ -40,7 +40,10 @@ impl<'a> StateInCells<'a> {
     /// The state at a time of the slabs that these states are, `[time node][component][node]`: sum_a phi_a u_a.
     pub fn at_time(&self, phi: &[f64]) -> StateInCells<'static> {
         let len = self.len / phi.len();
-        let at = |slab: &[f64]| combined(phi, &slab.chunks_exact(len).collect::<Vec<_>>());
+        let at = |slab: &[f64]| {
+            let at_time = Combination { factors: phi.to_vec(), fields: slab.chunks_exact(len).collect() };
+            (0..len).map(|entry| at_time.at(entry)).collect::<Vec<f64>>()
+        };
         let values: Vec<f64> = self.values.chunks_exact(self.len).flat_map(at).collect();
         StateInCells { values: values.into(), len, places: self.places.clone() }
     }
@@ -55,10 +58,24 @@ impl<'a> StateInCells<'a> {
     }
 }
 
-/// sum_a factors_a vectors_a
-pub fn combined(factors: &[f64], vectors: &[&[f64]]) -> Vec<f64> {
-    let len = vectors.first().map_or(0, |vector| vector.len());
-    (0..len).map(|i| factors.iter().zip(vectors).map(|(factor, vector)| factor * vector[i]).sum()).collect()
+/// A combination of fields of one length: sum_a factors_a fields_a. Without fields it is zero.
+pub struct Combination<'a> {
+    /// The factors.
+    pub factors: Vec<f64>,
+    /// The fields.
+    pub fields: Vec<&'a [f64]>,
+}
+
+impl<'a> Combination<'a> {
+    /// One field.
+    pub fn of_one(field: &'a [f64]) -> Self {
+        Combination { factors: vec![1.0], fields: vec![field] }
+    }
+
+    /// An entry.
+    pub fn at(&self, entry: usize) -> f64 {
+        self.factors.iter().zip(&self.fields).fold(0.0, |sum, (factor, field)| sum + factor * field[entry])
+    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! What a run observes of its flow: inflows and outflows, points, integrals.
 
 use super::FlowRun;
-use crate::cells::{StateInCells, combined};
+use crate::cells::{Combination, StateInCells};
 use crate::context::RunContext;
 use crate::crew::{OfCells, Order};
 use crate::drive::Run;
@@ -81,15 +81,11 @@ where
     pub(super) fn slab_at(&self, is_wanted: impl Fn(usize) -> bool) -> (FlowAt<'_>, Vec<(f64, FlowAt<'_>)>) {
         let state = self.state();
         let velocity = match &state.past {
-            Some(past) => top(&past.v, &state.d).into(),
-            None => vec![0.0; state.d.len()].into(),
+            Some(past) => Combination::of_one(top(&past.v, &state.d)),
+            None => Combination { factors: Vec::new(), fields: Vec::new() },
         };
-        let at_top = FlowAt {
-            time: state.time,
-            displacement: (&state.d[..]).into(),
-            velocity,
-            state: self.state_at(&is_wanted),
-        };
+        let displacement = Combination::of_one(&state.d);
+        let at_top = FlowAt { time: state.time, displacement, velocity, state: self.state_at(&is_wanted) };
         // Without viscosity there is no penalty.
         let Some(past) = state.past.as_ref().filter(|_| self.flow.law.is_viscous()) else {
             return (at_top, Vec::new());
@@ -100,13 +96,10 @@ where
         let motion: Vec<&[f64]> =
             [&past.bottom[..]].into_iter().chain(past.v.chunks_exact(past.bottom.len())).collect();
         let at = |(share, point): (f64, &TimePoint)| {
-            let at_time = FlowAt {
-                time: clock.time(point.s),
-                displacement: combined(point.position_row(past.dt).row(0), &motion).into(),
-                velocity: combined(point.velocities.row(0), &motion).into(),
-                state: flow.at_time(point.values.row(0)),
-            };
-            (share, at_time)
+            let of_motion = |row: &[f64]| Combination { factors: row.to_vec(), fields: motion.clone() };
+            let displacement = of_motion(point.position_row(past.dt).row(0));
+            let (velocity, state) = (of_motion(point.velocities.row(0)), flow.at_time(point.values.row(0)));
+            (share, FlowAt { time: clock.time(point.s), displacement, velocity, state })
         };
         let shares = operator.tables.shares_at_top().into_iter().zip(&operator.tables.time_points);
         (at_top, shares.filter(|(share, _)| *share != 0.0).map(at).collect())

@@ -6,13 +6,12 @@
 //! ```
 //!
 //! Fhat is the numerical flux of the scheme, at the quadrature points of the scheme, with the penalty that the equations of the top of the slab see,
-//! (penalty at top). Sums of f times `area` over the rows are
-//! the force on the wall in history.csv, to round-off. tau_t is the part of the friction tau along the wall. The distance y is the distance of
-//! the first nodes from the wall.
+//! (penalty at top). Sums of f times `area` over the rows are the force on the wall in history.csv, to round-off. tau_t is the part of the
+//! friction tau along the wall. The distance y is the distance of the first nodes from the wall.
 
 use super::columns::columns;
 use super::curve;
-use crate::cells::StateInCells;
+use crate::cells::{Combination, StateInCells};
 use crate::nodal::{by_node, dot_of};
 use crate::opening_states::FacePoints;
 use basis::Rule;
@@ -23,7 +22,6 @@ use fem::{BoundaryPoint, ConservationLaw, Inside, PointFlux, Quadrature, Sampler
 use mesh::{BoundaryFacet, axis_and_side, outward_area, outward_sign};
 use navier_stokes::{Boundary, NavierStokes, Primitive};
 use output::ArraySpec;
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use tensor::{cofactor, determinant, dot, norm};
 
@@ -46,9 +44,9 @@ pub struct FlowAt<'a> {
     /// The time.
     pub time: f64,
     /// The displacement of the mesh, `[C0 node][component]`.
-    pub displacement: Cow<'a, [f64]>,
+    pub displacement: Combination<'a>,
     /// Its velocity, `[C0 node][component]`.
-    pub velocity: Cow<'a, [f64]>,
+    pub velocity: Combination<'a>,
     /// The state in the cells at walls.
     pub state: StateInCells<'a>,
 }
@@ -190,8 +188,8 @@ impl<const D: usize> SurfaceFlow<'_, D> {
     ) -> Vec<Here<'w, D, M>> {
         let (cell, face) = (facet.side.cell, facet.side.face);
         let nodes = self.mover.numbering.cell(cell);
-        let nodal = by_node::<D>(&seen(self.mover.cell_positions(cell, &time.displacement)));
-        let of_nodes = (0..D).flat_map(|i| nodes.iter().map(move |node| time.velocity[node * D + i]));
+        let nodal = by_node::<D>(&seen(self.mover.cell_positions_with(cell, &|entry| time.displacement.at(entry))));
+        let of_nodes = (0..D).flat_map(|i| nodes.iter().map(move |node| time.velocity.at(node * D + i)));
         let velocity = seen(of_nodes.collect());
         let (x, jacobians) = (points.map.positions(&nodal), points.map.jacobians(&nodal));
         let coefficients = time.state.of(cell);
