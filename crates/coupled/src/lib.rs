@@ -52,7 +52,7 @@ pub use initial::interpolate;
 pub use lagged_preconditioner::{LaggedPreconditioner, Linearisation, Method, Update};
 pub use march::{March, SlabSolver};
 pub use mesh_march::{MeshAlone, MeshMarch, MeshReport};
-pub use mesh_mover::{MeshMover, MeshQuality};
+pub use mesh_mover::{MeshMover, MeshQuality, RELATIVE_DETERMINANT};
 pub use motion::{BoundaryDisplacement, BoundaryField, MeshMotion};
 pub use observation::Observation;
 pub use reuse_policy::JacobianReusePolicy;

@@ -10,6 +10,9 @@ use newton_krylov::inner_product;
 use newton_krylov::problem::Inadmissible;
 use std::sync::{Mutex, PoisonError};
 
+/// The quantity of the [`Inadmissible`] state of an inverted mesh.
+pub const RELATIVE_DETERMINANT: &str = "det J / det J_0";
+
 /// The quality of the mesh over a slab.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshQuality {
@@ -41,7 +44,7 @@ impl MeshQuality {
         }
         let MeshQuality { sampled_min: value, cell, time, .. } = *self;
         Err(Inadmissible {
-            quantity: "det J / det J_0".into(),
+            quantity: RELATIVE_DETERMINANT.into(),
             value,
             location: format!("in cell {cell} at t = {time}"),
         })

@@ -186,7 +186,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Test functions sum to one in space and in time. So the integral over the slab equals the amount that the residual
     /// takes from the cells.
     ///
-    /// Work is done at the velocity of the mesh, so that work and heat are the energy that leaves through a wall. That velocity is a
+    /// Work is done at the velocity of the mesh, so that at the Gauss points work and heat are the energy that leaves through a wall. That velocity is a
     /// polynomial in time, and at a given time less accurate than the positions. The volume of a body that turns seems to oscillate,
     /// and pressure does work on this. Therefore the power at the top uses `velocity_at_top`, `[C0 node][component]`, if given.
     ///
@@ -204,7 +204,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             .collect();
         let top = fluxes.len() - 1;
         fluxes[top].weight = 0.0;
-        let (facets, numbers) = self.fluxes_of_facets(velocity_at_top);
+        let (facets, numbers) = self.fluxes_of_facets(&self.tables.shares_at_top(), velocity_at_top);
         let len = 1 + fluxes.len() * BoundaryFlux::<M>::LEN;
         for facet in self.share.all_in_order(&facets, numbers, len).chunks_exact(len) {
             let boundary = facet[0] as usize;
@@ -215,13 +215,14 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         fluxes
     }
 
-    /// For every boundary facet its number in the whole mesh; and its boundary with the fluxes at the time points and at the top.
-    fn fluxes_of_facets(&self, velocity_at_top: Option<&[f64]>) -> (Vec<usize>, Vec<f64>) {
+    /// For every boundary facet its number in the whole mesh; and its boundary with the fluxes at the time points, which have these `shares` in
+    /// (penalty at top), and at the top.
+    fn fluxes_of_facets(&self, shares: &[f64], velocity_at_top: Option<&[f64]>) -> (Vec<usize>, Vec<f64>) {
         let (mut facets, mut numbers) = (self.boundary_facets.iter(), Vec::new());
         let mut keys = Vec::with_capacity(facets.len());
         let all = self.facets.batches.iter().filter_map(|batch| batch.boundary.map(|boundary| (boundary, batch)));
         for (boundary, batch) in all {
-            let of_batch = self.fluxes_of_batch(batch, velocity_at_top);
+            let of_batch = self.fluxes_of_batch(batch, shares, velocity_at_top);
             for lane in 0..batch.count {
                 keys.extend(facets.next());
                 numbers.push(boundary as f64);
@@ -232,8 +233,12 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     /// The fluxes of a batch on a boundary at the time points, and last at the top, `[time][lane]`.
-    fn fluxes_of_batch(&self, batch: &FacetBatch, velocity_at_top: Option<&[f64]>) -> Vec<Vec<BoundaryFlux<M>>> {
-        let shares = self.tables.shares_at_top();
+    fn fluxes_of_batch(
+        &self,
+        batch: &FacetBatch,
+        shares: &[f64],
+        velocity_at_top: Option<&[f64]>,
+    ) -> Vec<Vec<BoundaryFlux<M>>> {
         let time_points = self.tables.time_points.iter().chain([&self.tables.top]).zip(&self.position_rows);
         let origins = self.facet_origins(batch).map(in_space);
         self.facet_scratch.with(|scratch| {

@@ -1,11 +1,11 @@
 //! The mesh as a block: the velocities of its nodes, in equilibrium with its boundary at every time node.
 
 use crate::block::{Block, Couplings, Exchange, Quantity};
-use crate::mesh_mover::{MeshMover, MeshQuality};
+use crate::mesh_mover::{MeshMover, MeshQuality, RELATIVE_DETERMINANT};
 use crate::motion::MeshMotion;
 use crate::slab_error::SlabError;
 use crate::state::{Interval, State};
-use elasticity::{ElasticSlab, ElasticityError};
+use elasticity::{ElasticSlab, ElasticityError, Inversion};
 use fem::Clock;
 use newton_krylov::problem::Inadmissible;
 
@@ -226,7 +226,7 @@ impl<const D: usize> Block for MeshBlock<D> {
         match &self.residual {
             Some(known) if same => r.copy_from_slice(known),
             _ => {
-                slab.residual(&self.bottom, &self.wall_displacement, v, r)?;
+                slab.residual(&self.bottom, &self.wall_displacement, v, r).map_err(inverted_mesh)?;
                 self.set(v, exchange);
                 if !same && let Err(invalid) = self.check() {
                     self.forget();
@@ -320,4 +320,10 @@ impl<const D: usize> Block for MeshBlock<D> {
         // If none suffices, the residual at the shortest step tells what is wrong.
         steps.find(|a| keeps(*a)).unwrap_or(0.5_f64.powi(MESH_HALVINGS))
     }
+}
+
+/// An inverted mesh has its own quantity: that of an [`Inversion`] belongs to structures.
+fn inverted_mesh(Inversion { cell, volume_ratio: value }: Inversion) -> Inadmissible {
+    let location = format!("in cell {cell} at a point of the energy of the mesh");
+    Inadmissible { quantity: RELATIVE_DETERMINANT.into(), value, location }
 }

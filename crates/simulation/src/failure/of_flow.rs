@@ -11,7 +11,9 @@ use super::of_mesh::{self, inverted};
 use crate::body_checks::unheld;
 use crate::cells::StateInCells;
 use case::{Case, Flow, State};
-use coupled::{FlowMarch, Interval, MarchError, MeshMover, ResidualBreakdown, SlabError, SteadyError};
+use coupled::{
+    FlowMarch, Interval, MarchError, MeshMover, RELATIVE_DETERMINANT, ResidualBreakdown, SlabError, SteadyError,
+};
 use elasticity::{ElasticityError, Inversion};
 use navier_stokes::ExactState;
 use newton_krylov::newton;
@@ -77,7 +79,7 @@ where
         if let Some(SlabError::Invalid { quality }) = self.error {
             mesh.smallest_det_j = quality.sampled_min;
         }
-        if let Some(value) = self.inadmissible("det J / det J_0") {
+        if let Some(value) = self.inadmissible(RELATIVE_DETERMINANT) {
             mesh.smallest_det_j = value;
         }
         Finding {
@@ -102,9 +104,7 @@ where
         let bodies = of_bodies::measure(self.case, self.flow, grid, self.state, dt)?;
         let unheld = if is_released { unheld(self.case) } else { None };
         let of_structure = Inadmissible::from(Inversion { cell: 0, volume_ratio: 0.0 });
-        // An elastic mesh of large displacement has the same quantity.
-        let inverted = self.inadmissible(&of_structure.quantity).filter(|_| self.case.structure.is_some());
-        Some(Bodies { unheld, inverted, ..bodies })
+        Some(Bodies { unheld, inverted: self.inadmissible(&of_structure.quantity), ..bodies })
     }
 
     /// The value of `quantity` in the state without a residual at which the solve ended, if it was that.
