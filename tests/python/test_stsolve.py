@@ -100,6 +100,14 @@ def test_history_is_written_before_the_slab_is_told(directory):
     assert rows == [2, 3, 4, 5]
 
 
+def test_checkpoints_are_written_before_the_slab_is_told(directory):
+    """The file was one slab behind."""
+    times = []
+    case = stsolve.Case(CASES / "vortex.toml", {**VORTEX, "output.checkpoint_every": 1})
+    case.run(output=directory, on_slab=lambda slab: times.append((slab.time, stsolve.Result(directory).times[-1])))
+    assert len(times) == 4 and all(told == stored for told, stored in times), times
+
+
 def test_fields_of_slabs_are_those_of_the_result(directory):
     """They stay as they were when the run has gone on, also without the slab."""
     slabs, _ = run(directory)

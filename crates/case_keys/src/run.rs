@@ -18,9 +18,10 @@ pub struct Time {
     pub start: f64,
     /// The end. It may equal the start, if only the steady flow is wanted.
     pub end: f64,
-    /// The length of a slab. The last slab may be shorter. With `adaptive`, the length of the first.
+    /// The length of a slab. The last slab may be shorter. With `adaptive`, the length of the first; after a
+    /// restart the first may be shorter.
     pub step: Option<f64>,
-    /// Instead of the step: the number of slabs, all of the same length.
+    /// Instead of the step: the number of slabs, all of the same length, from the start to the end. A run with `[restart]` makes those that are left.
     pub slabs: Option<usize>,
     /// Adapts the length of the slabs to the changes of the flow; only together with `[flow]`. Default: all slabs have the same length.
     pub adaptive: Option<Adaptive>,
@@ -37,7 +38,8 @@ pub struct Adaptive {
     pub tolerance: f64,
     /// The shortest slab, which is accepted with any jump. Default: a thousandth of the step.
     pub smallest: Option<f64>,
-    /// The longest slab. Default: as long as the run.
+    /// The longest slab. A slab sees motions, boundary values and sources at its nodes only: choose `largest` shorter than an event that begins
+    /// after a rest. Default: as long as the run.
     pub largest: Option<f64>,
 }
 

@@ -87,7 +87,8 @@ impl Schedule {
             None if state.nominal + 1 == self.slabs => self.end,
             None => self.start + self.step * (state.nominal + 1) as f64,
             Some(control) => {
-                let (latest, step) = (self.latest_end(state.time), state.step.min(control.largest));
+                let (latest, step) =
+                    (self.latest_end(state.time), state.step.max(control.smallest).min(control.largest));
                 let is_last_before = latest - state.time <= (1.0 + SLIVER) * step;
                 if is_last_before { latest } else { state.time + step }
             }
@@ -240,6 +241,13 @@ mod tests {
     fn no_slab_is_longer_than_the_present_limit() {
         let adapted = schedule(Some(StepControl { largest: 0.05, ..CONTROL }));
         assert_eq!(adapted.next(&state(0.5, 0.2)).end, 0.55);
+    }
+
+    /// A resumed run may have a larger lower limit than the one that has left the step.
+    #[test]
+    fn no_slab_is_shorter_than_the_present_limit() {
+        let adapted = schedule(Some(StepControl { smallest: 0.1, ..CONTROL }));
+        assert_eq!(adapted.next(&state(0.5, 0.02)).end, 0.6);
     }
 
     /// The slab that the end has cut short says how short the next attempt is, but not how long a later one may be.

@@ -9,8 +9,12 @@ use tensor::{cofactor, determinant, dot, norm};
 
 /// Newton steps from the centre of a cell: in a usable cell fewer than ten are needed.
 const MAX_STEPS: usize = 30;
-/// Halvings of a step towards the nearest place; the last one is as small as round-off.
+/// Steps towards the nearest place: at a distance near the radius of a curved side each one removes a small part of the error only.
+const MAX_NEAREST_STEPS: usize = 300;
+/// Halvings of such a step; the last one is as small as round-off.
 const MAX_HALVINGS: i32 = 30;
+/// The part of the expected decrease of f that a step towards the nearest place must reach: the condition of Armijo.
+const SUFFICIENT_DECREASE: f64 = 1e-4;
 /// Positions agree if they differ by less than this fraction of the extent of the cell, reference coordinates by less than
 /// this.
 const TOLERANCE: f64 = 1e-10;
@@ -43,18 +47,23 @@ pub fn locate_in_cell<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D])
 /// minimise f = |r|^2 / 2,  r = x(xi) - x,   |xi_a| <= 1:     xi := P( xi - t s ),   A s = J^T r                          (nearest)
 /// ```
 ///
-/// A = J^T J without the axes on whose bounds xi stays, P clamps, and t is halved until f falls. The start is the nearest node.
+/// A = J^T J without the axes on whose bounds xi stays, P clamps, and t is halved until f falls enough. The start is the nearest node.
 pub fn nearest_in_cell<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D]) -> ([f64; D], f64) {
+    let distance_at = |xi: &[f64; D]| norm(&difference(order, nodes, x, xi).0);
     let mut xi = nearest_node(order, nodes, x);
-    let mut distance = norm(&difference(order, nodes, x, &xi).0);
-    for _ in 0..MAX_STEPS {
+    let mut distance = distance_at(&xi);
+    for _ in 0..MAX_NEAREST_STEPS {
         let (r, jacobian) = difference(order, nodes, x, &xi);
-        let s = step_within(&xi, &jacobian, &r);
+        let gradient = from_fn(|a| dot(&from_fn(|i| jacobian[i][a]), &r));
+        let s = step_within(&xi, &jacobian, &gradient);
         let moved = |halvings: i32| from_fn(|a| (xi[a] - 0.5_f64.powi(halvings) * s[a]).clamp(-1.0, 1.0));
-        let nearer = (0..MAX_HALVINGS)
-            .map(|halvings| (moved(halvings), norm(&difference(order, nodes, x, &moved(halvings)).0)))
-            .find(|(_, moved)| *moved < distance);
-        let Some(better) = nearer else { break };
+        let is_enough = |(next, nearer): &([f64; D], f64)| {
+            let expected = dot(&gradient, &from_fn(|a| xi[a] - next[a]));
+            *nearer < distance && 0.5 * (distance - nearer) * (distance + nearer) >= SUFFICIENT_DECREASE * expected
+        };
+        let Some(better) = (0..MAX_HALVINGS).map(moved).map(|next| (next, distance_at(&next))).find(is_enough) else {
+            break;
+        };
         (xi, distance) = better;
     }
     (xi, distance)
@@ -69,11 +78,10 @@ fn nearest_node<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D]) -> [f
 }
 
 /// s of (nearest): no component along an axis on whose bound xi would leave the cell.
-fn step_within<const D: usize>(xi: &[f64; D], jacobian: &[[f64; D]; D], r: &[f64; D]) -> [f64; D] {
+fn step_within<const D: usize>(xi: &[f64; D], jacobian: &[[f64; D]; D], gradient: &[f64; D]) -> [f64; D] {
     let column = |a: usize| from_fn::<f64, D, _>(|i| jacobian[i][a]);
-    let gradient: [f64; D] = from_fn(|a| dot(&column(a), r));
     let leaves = |a: usize, s: &[f64; D]| xi[a].abs() == 1.0 && xi[a] * s[a] < 0.0;
-    let mut stays: [bool; D] = from_fn(|a| leaves(a, &gradient));
+    let mut stays: [bool; D] = from_fn(|a| leaves(a, gradient));
     loop {
         let entry = |a: usize, b: usize| match stays[a] || stays[b] {
             true => f64::from(u8::from(a == b)),
@@ -180,6 +188,23 @@ mod tests {
             let place = CellMap::<2>::at(2, &xi).positions(&nodes)[0];
             assert!((0..2).all(|i| (place[i] - foot[i]).abs() < 1e-9), "{x:?}: {place:?} for {foot:?}");
             assert!((distance - norm(&[x[0] - foot[0], x[1] - foot[1]])).abs() < 1e-12);
+        }
+    }
+
+    /// The side at eta = 1 is a parabola of radius 1 at its vertex: Gauss-Newton steps for a point at this distance converge slowly, and without
+    /// a sufficient decrease they went back and forth.
+    #[test]
+    fn the_nearest_place_is_found_at_the_radius_of_a_curved_side() {
+        let points = gauss_lobatto(3).points;
+        let place = |xi: f64, eta: f64| [0.6 * xi, 0.5 * (1.0 + eta) * (1.0 + 0.18 * xi * xi) - 1.0];
+        let nodes: Vec<f64> =
+            points.iter().flat_map(|&eta| points.iter().flat_map(move |&xi| place(xi, eta))).collect();
+        for (distance, across) in [(0.5, 0.0), (0.9, 0.1), (0.99, 0.02), (1.0, 0.01), (1.5, 0.3)] {
+            let x = [across, distance];
+            let (_, found) = nearest_in_cell(3, &nodes, &x);
+            let along = (0..=200_000).map(|k| 1e-5 * f64::from(k) - 1.0).map(|xi| place(xi, 1.0));
+            let least = along.map(|y| norm(&[y[0] - x[0], y[1] - x[1]])).fold(f64::MAX, f64::min);
+            assert!((found - least).abs() < 1e-9, "{x:?}: {found} for {least}");
         }
     }
 

@@ -66,21 +66,19 @@ pub(crate) fn match_pair<const D: usize>(
 }
 
 impl<const D: usize> Mesh<D> {
-    /// Pairs of boundaries, by index, that are translates of each other and could be joined. The translation is the
-    /// difference of the means of their vertices.
+    /// Pairs of boundaries, by index, that are translates of each other and could be joined.
     pub fn translated_boundaries(&self) -> Vec<PeriodicPair<D>> {
         let sides = |boundary: usize| {
             let facets = self.boundary_facets.iter().filter(move |facet| facet.boundary == boundary);
             facets.map(|facet| facet.side).collect::<Vec<_>>()
         };
         let boundaries: Vec<_> = self.boundary_names.iter().cloned().zip((0..).map(sides)).collect();
-        let centre = |boundary: &(String, Vec<Side>)| -> [f64; D] {
-            let vertices = vertex_positions(self, &boundary.1);
-            std::array::from_fn(|i| vertices.values().map(|x| x[i]).sum::<f64>() / vertices.len() as f64)
-        };
-        let pair = |minus: usize, plus: usize| {
-            let (from, to) = (centre(&boundaries[minus]), centre(&boundaries[plus]));
-            PeriodicPair { minus, plus, translation: std::array::from_fn(|i| to[i] - from[i]) }
+        let vertices = |(_, sides): &(String, Vec<Side>)| vertex_positions(self, sides).into_values().collect();
+        let places: Vec<Vec<[f64; D]>> = boundaries.iter().map(vertices).collect();
+        let pair = |minus: usize, plus: usize| PeriodicPair {
+            minus,
+            plus,
+            translation: translation(&places[minus], &places[plus]),
         };
         let pairs = (0..boundaries.len()).flat_map(|plus| (0..plus).map(move |minus| pair(minus, plus)));
         pairs.filter(|pair| match_pair(self, &boundaries, pair).is_ok()).collect()
@@ -90,6 +88,20 @@ impl<const D: usize> Mesh<D> {
 /// The vertices of some faces and their positions.
 fn vertex_positions<const D: usize>(mesh: &Mesh<D>, sides: &[Side]) -> BTreeMap<usize, [f64; D]> {
     sides.iter().flat_map(|&side| mesh.face_corners(side).into_iter().zip(mesh.face_corner_positions(side))).collect()
+}
+
+/// The translation between the points of two boundaries: along every axis the median of the differences of their coordinates, each in increasing
+/// order. One point in a wrong place does not change it, unlike that between the means, from which all points would then be apart.
+pub(crate) fn translation<const D: usize>(from: &[[f64; D]], to: &[[f64; D]]) -> [f64; D] {
+    let sorted = |mut numbers: Vec<f64>| {
+        numbers.sort_by(f64::total_cmp);
+        numbers
+    };
+    std::array::from_fn(|i| {
+        let [from, to] = [from, to].map(|points| sorted(points.iter().map(|x| x[i]).collect()));
+        let differences = sorted(from.iter().zip(&to).map(|(from, to)| to - from).collect());
+        differences.get(differences.len() / 2).copied().unwrap_or(0.0)
+    })
 }
 
 /// Whether the two sides of `facet` have the same nodes after translation.

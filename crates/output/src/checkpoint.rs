@@ -67,6 +67,13 @@ impl Checkpoint {
         Ok(whole)
     }
 
+    /// Takes another `state` in memory. Of the arrays in the file those stay whose names are `kept`, in place of arrays of `state`.
+    pub fn replace_state(&mut self, mut state: SolverState, kept: impl Fn(&str) -> bool) {
+        self.in_file.retain(|name, _| kept(name));
+        state.arrays.retain(|name, _| !self.in_file.contains_key(name));
+        self.state = state;
+    }
+
     /// Drops the arrays whose names are not `kept`.
     pub fn retain_arrays(&mut self, kept: impl Fn(&str) -> bool) {
         self.state.arrays.retain(|name, _| kept(name));

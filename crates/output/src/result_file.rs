@@ -252,6 +252,14 @@ pub fn read_checkpoint(path: &Path) -> Result<(Metadata, SolverState), OutputErr
     read(path, &[]).map(|(metadata, checkpoint, _)| (metadata, checkpoint.state))
 }
 
+/// The checkpoint of a result file, for any case. The arrays that stay `in_file` are not read yet.
+///
+/// # Errors
+/// As [`read_checkpoint`].
+pub fn open_checkpoint(path: &Path, in_file: &[&str]) -> Result<Checkpoint, OutputError> {
+    read(path, in_file).map(|(_, checkpoint, _)| checkpoint)
+}
+
 fn read(path: &Path, in_file: &[&str]) -> Result<(Metadata, Checkpoint, FileLayout), OutputError> {
     let file = open(path)?;
     let read = || {

@@ -28,6 +28,7 @@ pub use agreement::agree;
 pub use orders::{Order, Orders};
 pub use parts::{OfCells, Own};
 pub use serve::serve;
+pub use stored::BLOCKS;
 
 use super::history::require_distinct_columns;
 use super::memory_estimate::require_memory;

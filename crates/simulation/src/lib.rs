@@ -182,8 +182,6 @@ mod stored_field;
 mod structure_run;
 mod summary;
 mod surfaces;
-#[cfg(test)]
-mod tests;
 mod walls;
 
 /// More threads than any machine has cores. Thousands take minutes to start.

@@ -11,6 +11,8 @@ pub use error::RestartError;
 
 use super::statistics::RunStatistics;
 use super::{bodies, checkpoint, fallback, motion_jump, surfaces};
+use crate::averages::is_of_averages;
+use crate::crew::{BLOCKS, OfCells};
 use crate::error::Failure;
 use case::{
     AllowedChange, Case, Flow, Time, bodies_of, differences, gas_of, motion_of, quadrature_of, reference_pressure_of,
@@ -81,7 +83,7 @@ pub fn read<const D: usize, const M: usize>(
     if !path.exists() {
         return Err(Failure::bad_input(RestartError::Missing { path }));
     }
-    let (_, stored) = output::read_checkpoint(&path)?;
+    let stored = output::open_checkpoint(&path, &OfCells::names())?;
     let origin = Origin { result: ResultReader::open(&path)?, path, stored };
     let start = origin.continued::<D, M>(case, flow, mover).map_err(Failure::bad_input)?;
     // A run that searches the steady flow anew has none of its distributions.
@@ -95,7 +97,8 @@ pub fn read<const D: usize, const M: usize>(
 struct Origin {
     path: PathBuf,
     result: ResultReader,
-    stored: SolverState,
+    /// Its checkpoint; numbers of cells stay in the file.
+    stored: Checkpoint,
 }
 
 /// A state, the linearisation of its preconditioner, and whether that is stale.
@@ -123,7 +126,10 @@ impl Origin {
         }
         let metadata = &self.result.metadata;
         let to = Orders { flow: flow.order, mesh: case.mesh.order(), time: case.time.order };
-        let (loaded, warning) = self.on_mesh_here::<D, M>(case, mover, to, is_other_mesh)?;
+        let pressure_changes = gas_changed && case.allows(AllowedChange::Mach);
+        let keeps_cells = !is_other_mesh && !pressure_changes && self.orders(case) == to;
+        let stored = self.stored_state(keeps_cells)?;
+        let (loaded, warning) = self.on_mesh_here::<D, M>(case, mover, (&stored, is_other_mesh), to)?;
         let Loaded { mut state, frozen, stale, orders: from } = loaded;
         self.join_schedule(&mut state, &case.time)?;
         let mut warnings = self.check_motion(case, mover, &state)?;
@@ -139,7 +145,6 @@ impl Origin {
             (added, late)
         };
         warnings.extend(late);
-        let pressure_changes = gas_changed && case.allows(AllowedChange::Mach);
         if pressure_changes {
             self.shift_pressure::<D, M>(flow, from.flow, &mut state)?;
         }
@@ -158,7 +163,8 @@ impl Origin {
             || pressure_changes
             || self.has_other_quadrature(case)?
             || self.is_other(case, &["bodies", "structure"])?;
-        let checkpoint = continued.into();
+        let keeps_averages = !is_other_mesh && !searches_anew;
+        let checkpoint = self.with_numbers_of_cells(continued, keeps_cells, keeps_averages);
         let (surfaces, is_on_other_mesh) = (Vec::new(), is_other_mesh);
         Ok(Start { checkpoint, warnings, surfaces, added_walls, is_on_other_mesh, searches_anew, is_measured_anew })
     }
@@ -210,18 +216,52 @@ impl Origin {
     fn has_other_quadrature<const D: usize>(&self, case: &Case<D>) -> Result<bool, RestartError> {
         let quadrature = |text: &str| quadrature_of(text).map_err(|reason| self.unreadable(reason));
         let there = quadrature(&self.result.metadata.case_text)?;
-        Ok(there != quadrature(&case.about.resolved)? || fallback::since(&self.stored.arrays).is_some())
+        Ok(there != quadrature(&case.about.resolved)? || fallback::since(&self.stored.state.arrays).is_some())
+    }
+
+    /// Its orders. The mesh has that of `case`.
+    fn orders<const D: usize>(&self, case: &Case<D>) -> Orders {
+        let metadata = &self.result.metadata;
+        Orders { flow: metadata.space_nodes.len(), mesh: case.mesh.order(), time: metadata.time_nodes.len() }
+    }
+
+    /// The stored numbers; those of cells are none where they stay in the file.
+    fn stored_state(&self, keeps_cells: bool) -> Result<SolverState, RestartError> {
+        if !keeps_cells {
+            return Ok(self.stored.whole()?);
+        }
+        let mut state = self.stored.state.clone();
+        let in_file = OfCells::names().into_iter().filter(|name| self.stored.len_of(name).is_some());
+        state.arrays.extend(in_file.map(|name| (name.to_owned(), Arc::default())));
+        Ok(state)
+    }
+
+    /// `state` with the numbers of cells that stay in the file.
+    fn with_numbers_of_cells(&self, mut state: SolverState, keeps_cells: bool, keeps_averages: bool) -> Checkpoint {
+        // The preconditioner refers to the blocks of the run.
+        let blocks = self.stored.state.integers.get_key_value(BLOCKS).filter(|_| keeps_cells);
+        state.integers.extend(blocks.map(|(name, blocks)| (name.clone(), *blocks)));
+        let mut checkpoint = self.stored.clone();
+        checkpoint.replace_state(state, |name| if is_of_averages(name) { keeps_averages } else { keeps_cells });
+        checkpoint
     }
 
     /// The state of the run.
-    fn loaded<const D: usize, const M: usize>(&self, case: &Case<D>) -> Result<Loaded, RestartError> {
-        let metadata = &self.result.metadata;
-        let (flow, time) = (metadata.space_nodes.len(), metadata.time_nodes.len());
-        let orders = Orders { flow, mesh: case.mesh.order(), time };
-        let loaded = checkpoint::load(&self.stored, &Time { order: time, ..case.time });
-        let length = self.cells_of_flow() * M * flow.pow(D as u32);
-        let (state, frozen, stale) =
-            loaded.filter(|(state, ..)| state.u.len() == length).ok_or_else(|| self.incomplete())?;
+    fn loaded<const D: usize, const M: usize>(
+        &self,
+        case: &Case<D>,
+        stored: &SolverState,
+    ) -> Result<Loaded, RestartError> {
+        let orders = self.orders(case);
+        let length = self.cells_of_flow() * M * orders.flow.pow(D as u32);
+        let fits = |name: &str, times: usize| self.stored.len_of(name).is_none_or(|found| found == times * length);
+        let of_slabs = [checkpoint::PAST_FLOW, checkpoint::FROZEN_FLOW];
+        if self.stored.len_of(checkpoint::FLOW) != Some(length) || !of_slabs.iter().all(|name| fits(name, orders.time))
+        {
+            return Err(self.incomplete());
+        }
+        let loaded = checkpoint::load(stored, &Time { order: orders.time, ..case.time });
+        let (state, frozen, stale) = loaded.ok_or_else(|| self.incomplete())?;
         Ok(Loaded { state, frozen, stale, orders })
     }
 
@@ -262,17 +302,19 @@ impl Origin {
         if there != here {
             return Err(self.differs("the rigid bodies", there, here));
         }
-        let stored = checkpoint::bodies(&self.stored.arrays, "body");
+        let stored = checkpoint::bodies(&self.stored.state.arrays, "body");
         let there: Vec<usize> = stored.iter().map(|body| BodyState::coordinates(body)).collect();
         let here = bodies::coordinates(case);
         if there == here {
             return Ok(());
         }
         // A structure comes after the rigid bodies.
-        if self.has_structure(case) && there.len() == here.len() {
-            let told =
-                |coordinates: &[usize]| format!("{:?} displacements of its nodes", coordinates.last().unwrap_or(&0));
-            return Err(self.differs("the mesh of the structure", told(&there), told(&here)));
+        if let ([.., last], [.., own]) = (&there[..], &here[..])
+            && self.has_structure(case)
+            && there.len() == here.len()
+        {
+            let told = |coordinates: &usize| format!("{coordinates} displacements of its nodes");
+            return Err(self.differs("the mesh of the structure", told(last), told(own)));
         }
         let told = |coordinates: &[usize]| match coordinates {
             [] => "no bodies".to_owned(),

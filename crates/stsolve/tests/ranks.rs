@@ -148,6 +148,24 @@ fn a_run_resumes_on_another_number_of_ranks_with_the_same_bits() {
     assert_same_bits(&at("through"), &at("interrupted"), "resumed on 1 and on 3 ranks");
 }
 
+/// A state in the same orders goes from the file to the ranks in parts, with its averages; another one is made on rank 0.
+#[test]
+fn a_run_that_starts_from_another_one_has_the_same_bits_on_any_number_of_ranks() {
+    let directory = TempDir::new().unwrap();
+    let averages = ["parallel.blocks=4", "output.averages={from=0.2}"];
+    let earlier = [&VORTEX[..2], &averages, &["time.end=0.6"]].concat();
+    run(2, 1, "vortex", &changes(&earlier), &directory.path().join("earlier"), Existing::Keep);
+    let from = format!("restart.from={:?}", directory.path().join("earlier"));
+    // In other orders the averages begin anew.
+    for (orders, averaged) in [("flow.order=4", 1.0), ("flow.order=3", 0.6)] {
+        let later = [&VORTEX[..2], &averages, &["time.end=1.2", &from, orders]].concat();
+        let runs = assert_ranks_leave_no_trace("vortex", &later);
+        let (_, state) = output::read_checkpoint(&runs.path().join("4_1/result.vtkhdf")).unwrap();
+        let duration = state.arrays["statistics.averages.durations"][0];
+        assert!((duration - averaged).abs() < 1e-12, "{orders}: {duration}");
+    }
+}
+
 /// All ranks give the initial state the same layer at the wall, see `starts.rs`.
 #[test]
 fn a_start_that_is_made_easier_has_the_same_bits_on_any_number_of_ranks() {

@@ -5,7 +5,7 @@ use super::file::{Element, File};
 use super::shape::Shape;
 use super::split::{Corners, CutEdges, Splitter};
 use super::{GmshError, Simplices, plane};
-use crate::periodic::joined_twice;
+use crate::periodic::{joined_twice, translation};
 use crate::topology::face_key;
 use crate::{Mesh, MeshError, PeriodicPair, Region, Side};
 use std::collections::{BTreeMap, BTreeSet};
@@ -132,7 +132,7 @@ fn sides<const D: usize>(cells: &Cells<D>) -> BTreeMap<Vec<usize>, Side> {
     sides
 }
 
-/// Pairs of boundaries by name. The translation is the one between the means of their corners.
+/// Pairs of boundaries by name, with the translation between their corners.
 fn pairs<const D: usize>(
     cells: &Cells<D>,
     boundaries: &Boundaries,
@@ -144,15 +144,12 @@ fn pairs<const D: usize>(
         let found = boundaries.iter().position(|(other, _)| other == name);
         found.ok_or_else(|| GmshError::NoBoundary { name: name.clone(), known: known() })
     };
-    let centre = |boundary: usize| {
-        let corners: Vec<_> = boundaries[boundary].1.iter().flat_map(|&side| cells.face(side)).collect();
-        let sum = |i: usize| corners.iter().map(|(_, x)| x[i]).sum::<f64>();
-        std::array::from_fn::<f64, D, _>(|i| sum(i) / corners.len() as f64)
+    let corners = |boundary: usize| -> Vec<[f64; D]> {
+        boundaries[boundary].1.iter().flat_map(|&side| cells.face(side)).map(|(_, x)| x).collect()
     };
     let pair = |(minus, plus): &(String, String)| {
         let (minus, plus) = (number(minus)?, number(plus)?);
-        let (from, to) = (centre(minus), centre(plus));
-        Ok(PeriodicPair { minus, plus, translation: std::array::from_fn(|i| to[i] - from[i]) })
+        Ok(PeriodicPair { minus, plus, translation: translation(&corners(minus), &corners(plus)) })
     };
     periodic.iter().map(pair).collect()
 }

@@ -206,3 +206,13 @@ fn thin_faces_have_a_tolerance_of_their_own() {
         assert!((tolerance / largest - 1.0).abs() < 0.5, "{tolerance:e}");
     }
 }
+
+/// The translation was that between the means: all nodes were apart by the mean error, and the first one, which is right, was named.
+#[test]
+fn one_wrong_point_does_not_change_the_translation() {
+    let from: Vec<[f64; 2]> = (0..7).map(|i| [0.1 * f64::from(i), f64::from(i * i % 5)]).collect();
+    let mut to: Vec<[f64; 2]> = from.iter().map(|x| [x[0] + 0.25, x[1] - 2.0]).rev().collect();
+    to[2][0] += 1e-3;
+    let found = translation(&from, &to);
+    assert!((found[0] - 0.25).abs() < 1e-15 && found[1] == -2.0, "{found:?}");
+}

@@ -16,7 +16,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// The number of blocks among the stored numbers.
-const BLOCKS: &str = "blocks";
+pub const BLOCKS: &str = "blocks";
 
 impl Crew {
     /// Has all ranks take their parts of the state, and of a linearisation if there is one. A `flow` that the state has in a split form

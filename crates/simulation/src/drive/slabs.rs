@@ -72,9 +72,10 @@ fn finish_slab<const D: usize, const M: usize, R: Run>(
         append_surfaces(run, recorder)?;
     }
     run.cut(directory, run.is_done())?;
-    context.observer.state(&recorder.tell(&row, run.state(), &|| run.whole_flow_of_slab()));
     if recorder.is_checkpoint_due() && !is_held(run) {
         recorder.checkpoint(run.store(), &context.statistics)?;
     }
+    // An observer may read the files.
+    context.observer.state(&recorder.tell(&row, run.state(), &|| run.whole_flow_of_slab()));
     Ok(of_controls)
 }

@@ -18,7 +18,7 @@ impl Origin {
         let there = self.columns(&here)?;
         // This run has its own quadrature and volume flux.
         let kept = |name: &str| name == HISTORY || (name.starts_with("statistics.") && name != fallback::SINCE);
-        let arrays = self.stored.arrays.iter().filter(|(name, _)| kept(name));
+        let arrays = self.stored.state.arrays.iter().filter(|(name, _)| kept(name));
         let mut arrays: Arrays = arrays.map(|(name, values)| (name.clone(), values.clone())).collect();
         if let Some(rows) = arrays.get_mut(HISTORY) {
             *rows = with_columns(rows, &there, &here).into();
@@ -52,8 +52,8 @@ impl Origin {
 
     /// The columns of the history of the run. Earlier versions did not name them: they must be as many as `here`.
     fn columns(&self, here: &[String]) -> Result<Vec<String>, RestartError> {
-        let numbers = self.stored.arrays.get(HISTORY).map_or(0, |rows| rows.len());
-        match self.stored.texts.get(COLUMNS) {
+        let numbers = self.stored.state.arrays.get(HISTORY).map_or(0, |rows| rows.len());
+        match self.stored.state.texts.get(COLUMNS) {
             Some(names) => Ok(output::names(names)),
             None if numbers.is_multiple_of(here.len()) => Ok(here.to_vec()),
             None => Err(self.differs("columns of the history", "others", here.len().to_string())),

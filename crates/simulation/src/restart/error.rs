@@ -19,6 +19,9 @@ pub enum RestartError {
         /// The mismatch.
         reason: String,
     },
+    /// The file cannot be read.
+    #[error(transparent)]
+    File(#[from] output::OutputError),
     /// A quantity that must be equal is not.
     #[error("this case cannot start from `{path}`: {quantity} there: {there}; here: {here}")]
     Differs {

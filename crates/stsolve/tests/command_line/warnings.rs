@@ -9,11 +9,16 @@ const FAST: &str = "flow.boundary.far={far_field={velocity=[1,0],mach=0.9}}";
 const SLOW: &str = "flow.boundary.far={far_field={velocity=[1,0],mach=0.05}}";
 const TURNED: &str = "flow.boundary.far={far_field={velocity=[1,0.1],mach=0.2}}";
 const HOT: &str = "flow.boundary.airfoil={isothermal_wall={temperature=300}}";
+/// A motion that follows a rest, in slabs that adapt.
+const ADAPTIVE: &str = "time.adaptive.tolerance=1e-3";
+const PULSE: &str = "motion.boundary.airfoil.displacement=[0, \"if(t < 2, 0, 0.1*sin(pi*(t - 2))^2)\"]";
 const THIN: &str = "flow.gas.viscosity.constant=1e-7";
 
 /// Settings of the airfoil, the subject of the only warning, and a part of its remedy.
 const DOUBTFUL: &[(&[&str], &str, &str)] = &[
     (&["time.step=0.5", "time.order=1"], "slab length", "`time.step` of"),
+    (&[ADAPTIVE, PULSE, "time.end=4"], "longest slab", "`time.adaptive.largest` of 2.5"),
+    (&[ADAPTIVE, PULSE, "time.end=4", "time.adaptive.largest=0.2"], "none", ""),
     (&["mesh.generate.airfoil.far_field=5"], "far field", "`far_field`"),
     (&["mesh.generate.airfoil={first_cell=0.2}"], "first cell", "`first_cell`"),
     (&["flow.quadrature={points=5}"], "quadrature", "\"conserving\""),

@@ -22,6 +22,9 @@ const OPERATIONS: usize = 200_000_000;
 /// be fast by the next examined time.
 const MOMENT: f64 = 1e-4;
 
+/// A smaller fraction of the largest speed is rest.
+const AT_REST: f64 = 1e-6;
+
 /// Typical sizes of a prescribed motion, the largest over the nodes that it moves.
 ///
 /// A node that oscillates harmonically with the amplitude A and the angular frequency omega has the largest speed V = omega A. So
@@ -32,6 +35,8 @@ pub(super) struct MotionScales {
     pub(super) amplitude: f64,
     /// V, between examined times.
     pub(super) speed: f64,
+    /// The longest time without motion before a motion.
+    pub(super) rest: f64,
 }
 
 impl MotionScales {
@@ -55,10 +60,12 @@ impl MotionScales {
     /// `times`.
     fn of_path<const D: usize>(at: impl Fn(f64) -> [f64; D], times: usize, dt: f64) -> Self {
         let path: Vec<[f64; D]> = (0..=times).map(|i| at(i as f64)).collect();
-        MotionScales {
-            amplitude: 0.5 * extent(&path),
-            speed: path.windows(2).map(|pair| speed(&pair[0], &pair[1], dt)).fold(0.0, f64::max),
-        }
+        let speeds: Vec<f64> = path.windows(2).map(|pair| speed(&pair[0], &pair[1], dt)).collect();
+        let largest = speeds.iter().copied().fold(0.0, f64::max);
+        let moving = speeds.iter().enumerate().filter(|(_, speed)| **speed > AT_REST * largest).map(|(i, _)| i + 1);
+        let ends: Vec<usize> = std::iter::once(0).chain(moving).collect();
+        let rest = ends.windows(2).map(|pair| pair[1] - pair[0] - 1).max().unwrap_or_default();
+        MotionScales { amplitude: 0.5 * extent(&path), speed: largest, rest: rest as f64 * dt }
     }
 
     fn larger(&self, other: &Self) -> Self {
@@ -115,6 +122,16 @@ mod tests {
         let scales = MotionScales::of_path(|i| [0.1, amplitude * (omega * i * dt).sin()], 599, dt);
         assert!((scales.amplitude / amplitude - 1.0).abs() < 1e-4, "{scales:?}");
         assert!((scales.frequency() / omega - 1.0).abs() < 1e-3, "{scales:?}");
+    }
+    #[test]
+    fn the_longest_rest_is_found() {
+        let pulse =
+            |i: f64| if (0.5..0.7).contains(&(i * 1e-3)) { (0.1 * i * std::f64::consts::TAU).sin() } else { 0.0 };
+        let scales = MotionScales::of_path(|i| [pulse(i), 0.0], 1000, 1e-3);
+        assert!((scales.rest - 0.5).abs() < 1e-9, "{scales:?}");
+        // A motion that goes on, and one that has ended.
+        assert_eq!(MotionScales::of_path(|i| [(0.01 * i).sin(), 0.0], 1000, 1e-3).rest, 0.0);
+        assert_eq!(MotionScales::of_path(|i| [(0.01 * i).min(1.0), 0.0], 1000, 1e-3).rest, 0.0);
     }
     /// The amplitude was that along an axis, so that the step advised depended on the axes.
     #[test]

@@ -1,7 +1,7 @@
 //! Choices of a case that are allowed, but likely wrong.
 
 use super::Facts;
-use super::resolution::{free_flow, layer, poor_cells, quadrature, slab_length};
+use super::resolution::{free_flow, layer, longest_slab, poor_cells, quadrature, slab_length};
 use super::scales::{MotionScales, on_walls, speed_at_start};
 use super::{gas, streams};
 use case::{Flow, Motion, Preconditioner};
@@ -67,7 +67,7 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
             [quadrature(facts, flow), layer(facts, flow), free_flow(facts, flow), mach(flow), lines(facts, flow)];
         of_boundaries.into_iter().chain(of_start).chain(of_resolution)
     });
-    let of_all = [slab_length(facts), file_size(facts), poor_cells(facts), incompressible(facts)];
+    let of_all = [slab_length(facts), longest_slab(facts), file_size(facts), poor_cells(facts), incompressible(facts)];
     of_all.into_iter().chain(of_flow.into_iter().flatten()).flatten().collect()
 }
 

@@ -1,6 +1,6 @@
 //! The cost of the proof that a mesh stays valid, relative to the solve that moves it.
 //!
-//! `cargo test --release -p elasticity --test proof_share -- --ignored --nocapture` prints it; times are never asserted.
+//! `cargo test --release -p elasticity --test elasticity proof_share -- --ignored --nocapture` prints it; times are never asserted.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use basis::RadauTime;

@@ -1,9 +1,7 @@
 //! A cantilever that vibrates in one of its natural modes: period and energy.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-mod common;
-
-use common::{Run, box_mesh, structure};
+use crate::common::{Run, box_mesh, structure};
 use elasticity::{Loads, Material, NaturalMode, Structure, natural_modes};
 use std::f64::consts::TAU;
 

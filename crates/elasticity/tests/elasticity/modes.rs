@@ -1,9 +1,7 @@
 //! Natural frequencies against exact ones and against beam theory.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-mod common;
-
-use common::{box_mesh, structure};
+use crate::common::{box_mesh, structure};
 use elasticity::{Material, NaturalMode, natural_modes};
 use std::f64::consts::PI;
 

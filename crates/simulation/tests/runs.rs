@@ -1,8 +1,8 @@
-//! A run that is called from a program: no command line, no terminal.
+//! A run that is called from a program: no command line, no terminal. As a program of its own it takes the solver that is compiled already.
 #![allow(clippy::unwrap_used)]
 
-use super::*;
 use case::{AnyCase, Document};
+use simulation::{Destination, Existing, Failure, Observer, SlabDone, run};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

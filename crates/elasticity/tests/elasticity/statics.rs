@@ -1,9 +1,7 @@
 //! Structures in equilibrium, against exact solutions: plane stress, and constants that vary from point to point.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-mod common;
-
-use common::{body_force, box_mesh, displacement, structure};
+use crate::common::{body_force, box_mesh, displacement, structure};
 use elasticity::{ElasticityError, Law, Loads, Material, MaterialProperty, Plane, Solid, Statics, Structure, Traction};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use std::sync::Arc;

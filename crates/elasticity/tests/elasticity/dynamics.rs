@@ -1,9 +1,7 @@
 //! The motion of structures: orders in time, energy, limits, and iterations.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-mod common;
-
-use common::{Run, box_mesh, structure};
+use crate::common::{Run, box_mesh, structure};
 use elasticity::{Loads, Material};
 
 fn material() -> Material {

@@ -4,10 +4,8 @@
 //! law by nested dual numbers.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::{body_force, displacement};
 use basis::{Lagrange, gauss};
-use common::{body_force, displacement};
 use elasticity::{ElasticMesh, Lame, Material, Solver, Stiffness};
 use mesh::{BoxMesh, CellMap, Curving, Mesh, NodeNumbering};
 use tensor::{Transcendental, cofactor, determinant};

@@ -1,8 +1,8 @@
 //! Speed of the stiffness operator for every order in million unknowns per second and thread, and the cost per unknown relative to
 //! the order. Also the time of one application of the low-order preconditioner, and the set-up of both.
 //!
-//! `cargo run --release -p elasticity --example throughput`
-#![allow(clippy::print_stdout)]
+//! `cargo test --release -p elasticity --test elasticity operator_times -- --ignored --nocapture`
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use elasticity::{ElasticMesh, Material, Solver, Stiffness};
 use mesh::{BoxMesh, Curving, NodeNumbering};
@@ -21,17 +21,19 @@ fn best_time(mut call: impl FnMut()) -> f64 {
 }
 
 /// Operator and preconditioner of order `order` with about `nodes` nodes per direction.
-fn measure<const D: usize>(order: usize, nodes: usize) -> Result<(), Box<dyn std::error::Error>> {
+fn measure<const D: usize>(order: usize, nodes: usize) {
     let cells = (nodes / (order - 1)).max(2);
     let curving = Curving::Wavy { amplitude: 0.02 };
     let mesh = BoxMesh { lower: [0.0; D], upper: [1.0; D], cells: [cells; D], order, curving, periodic: [false; D] }
-        .build()?;
+        .build()
+        .unwrap();
     let numbering = NodeNumbering::new(&mesh, order);
     let mut constrained = vec![[false; D]; numbering.count];
     (0..2 * D).flat_map(|b| numbering.on_boundary(&mesh, b)).for_each(|node| constrained[node] = [true; D]);
     let start = Instant::now();
-    let (material, solver) = (Material::new(1.0, 0.4)?, Solver::ConjugateGradients);
-    let elastic = ElasticMesh::with_solver(&mesh, &numbering, material, Stiffness::Constant, &constrained, solver)?;
+    let (material, solver) = (Material::new(1.0, 0.4).unwrap(), Solver::ConjugateGradients);
+    let elastic =
+        ElasticMesh::with_solver(&mesh, &numbering, material, Stiffness::Constant, &constrained, solver).unwrap();
     let set_up = start.elapsed().as_secs_f64();
     let (d, mut out) = (vec![1.0; elastic.length()], vec![0.0; elastic.length()]);
     let operator = best_time(|| elastic.apply(&d, &mut out));
@@ -44,16 +46,16 @@ fn measure<const D: usize>(order: usize, nodes: usize) -> Result<(), Box<dyn std
         2.0 * elastic.multiplications() as f64 / operator / threads / 1e9,
         preconditioner * 1e3,
     );
-    Ok(())
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+#[test]
+#[ignore = "prints times"]
+fn times_of_the_operator() {
     println!("D   N  unknowns  million/s  ns/(unkn. N)  Gflop/s  precondit.      set-up");
     for order in 2..=16 {
-        measure::<2>(order, 240)?;
+        measure::<2>(order, 240);
     }
     for order in 2..=16 {
-        measure::<3>(order, 24)?;
+        measure::<3>(order, 24);
     }
-    Ok(())
 }

@@ -1,9 +1,7 @@
 //! Bodies that are bent, turned and blown up far: St. Venant-Kirchhoff and neo-Hookean laws, follower pressure, damping.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-mod common;
-
-use common::{Run, box_mesh, structure};
+use crate::common::{Run, box_mesh, structure};
 use elasticity::{Damping, Law, Loads, Material, SlabBottom, SlabMotion, Statics, Structure, StructureSlab};
 
 const LAWS: [Law; 2] = [Law::StVenantKirchhoff, Law::NeoHookean];
