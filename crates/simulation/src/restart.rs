@@ -3,6 +3,7 @@
 mod carried;
 mod drives;
 mod error;
+mod loaded;
 mod mesh_difference;
 mod other_mesh;
 mod supports;
@@ -11,20 +12,20 @@ pub use error::RestartError;
 
 use super::statistics::RunStatistics;
 use super::{bodies, checkpoint, fallback, motion_jump, surfaces};
-use crate::averages::is_of_averages;
-use crate::crew::{BLOCKS, OfCells};
+use crate::crew::OfCells;
 use crate::error::Failure;
 use case::{
     AllowedChange, Case, Flow, Time, bodies_of, differences, gas_of, motion_of, quadrature_of, reference_pressure_of,
     searches_steady_flow, start_of,
 };
 use coupled::block::BodyState;
-use coupled::{Linearisation, MeshMotion, MeshMover, State, rounded_time};
+use coupled::{MeshMotion, MeshMover, State, rounded_time};
 use fem::{Layout, Orders};
+use loaded::Loaded;
 use mesh::NodeNumbering;
 use navier_stokes::Conserved;
 use other_mesh::{forget_cells, late_averages};
-use output::{Arrays, Checkpoint, RESULT_FILE, ResultReader, Series, SolverState};
+use output::{Arrays, Checkpoint, RESULT_FILE, ResultReader, Series};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -101,14 +102,6 @@ struct Origin {
     stored: Checkpoint,
 }
 
-/// A state, the linearisation of its preconditioner, and whether that is stale.
-struct Loaded {
-    state: State,
-    frozen: Option<Linearisation>,
-    stale: bool,
-    orders: Orders,
-}
-
 impl Origin {
     /// Its state, as a state of `case`.
     fn continued<const D: usize, const M: usize>(
@@ -128,8 +121,8 @@ impl Origin {
         let to = Orders { flow: flow.order, mesh: case.mesh.order(), time: case.time.order };
         let pressure_changes = gas_changed && case.allows(AllowedChange::Mach);
         let keeps_cells = !is_other_mesh && !pressure_changes && self.orders(case) == to;
-        let stored = self.stored_state(keeps_cells)?;
-        let (loaded, warning) = self.on_mesh_here::<D, M>(case, mover, (&stored, is_other_mesh), to)?;
+        let loaded = self.loaded::<D, M>(case, keeps_cells)?;
+        let (loaded, warning) = self.on_mesh_here::<D, M>(case, mover, loaded, to, is_other_mesh)?;
         let Loaded { mut state, frozen, stale, orders: from } = loaded;
         self.join_schedule(&mut state, &case.time)?;
         let mut warnings = self.check_motion(case, mover, &state)?;
@@ -217,52 +210,6 @@ impl Origin {
         let quadrature = |text: &str| quadrature_of(text).map_err(|reason| self.unreadable(reason));
         let there = quadrature(&self.result.metadata.case_text)?;
         Ok(there != quadrature(&case.about.resolved)? || fallback::since(&self.stored.state.arrays).is_some())
-    }
-
-    /// Its orders. The mesh has that of `case`.
-    fn orders<const D: usize>(&self, case: &Case<D>) -> Orders {
-        let metadata = &self.result.metadata;
-        Orders { flow: metadata.space_nodes.len(), mesh: case.mesh.order(), time: metadata.time_nodes.len() }
-    }
-
-    /// The stored numbers; those of cells are none where they stay in the file.
-    fn stored_state(&self, keeps_cells: bool) -> Result<SolverState, RestartError> {
-        if !keeps_cells {
-            return Ok(self.stored.whole()?);
-        }
-        let mut state = self.stored.state.clone();
-        let in_file = OfCells::names().into_iter().filter(|name| self.stored.len_of(name).is_some());
-        state.arrays.extend(in_file.map(|name| (name.to_owned(), Arc::default())));
-        Ok(state)
-    }
-
-    /// `state` with the numbers of cells that stay in the file.
-    fn with_numbers_of_cells(&self, mut state: SolverState, keeps_cells: bool, keeps_averages: bool) -> Checkpoint {
-        // The preconditioner refers to the blocks of the run.
-        let blocks = self.stored.state.integers.get_key_value(BLOCKS).filter(|_| keeps_cells);
-        state.integers.extend(blocks.map(|(name, blocks)| (name.clone(), *blocks)));
-        let mut checkpoint = self.stored.clone();
-        checkpoint.replace_state(state, |name| if is_of_averages(name) { keeps_averages } else { keeps_cells });
-        checkpoint
-    }
-
-    /// The state of the run.
-    fn loaded<const D: usize, const M: usize>(
-        &self,
-        case: &Case<D>,
-        stored: &SolverState,
-    ) -> Result<Loaded, RestartError> {
-        let orders = self.orders(case);
-        let length = self.cells_of_flow() * M * orders.flow.pow(D as u32);
-        let fits = |name: &str, times: usize| self.stored.len_of(name).is_none_or(|found| found == times * length);
-        let of_slabs = [checkpoint::PAST_FLOW, checkpoint::FROZEN_FLOW];
-        if self.stored.len_of(checkpoint::FLOW) != Some(length) || !of_slabs.iter().all(|name| fits(name, orders.time))
-        {
-            return Err(self.incomplete());
-        }
-        let loaded = checkpoint::load(stored, &Time { order: orders.time, ..case.time });
-        let (state, frozen, stale) = loaded.ok_or_else(|| self.incomplete())?;
-        Ok(Loaded { state, frozen, stale, orders })
     }
 
     fn incomplete(&self) -> RestartError {

@@ -40,6 +40,18 @@ pub fn box_mesh<const D: usize>(upper: [f64; D], cells: [usize; D], order: usize
     BoxMesh { lower: [0.0; D], upper, cells, order, curving, periodic: [false; D] }.build().unwrap()
 }
 
+/// A unit box of `cells` cells per direction, wavy inside, with its nodes, and for every node whether its components are held: those of the boundary are.
+pub fn held_box<const D: usize>(cells: usize, order: usize) -> (Mesh<D>, NodeNumbering, Vec<[bool; D]>) {
+    let curving = Curving::Wavy { amplitude: 0.02 };
+    let mesh = BoxMesh { lower: [0.0; D], upper: [1.0; D], cells: [cells; D], order, curving, periodic: [false; D] }
+        .build()
+        .unwrap();
+    let numbering = NodeNumbering::new(&mesh, order);
+    let mut held = vec![[false; D]; numbering.count];
+    (0..2 * D).flat_map(|boundary| numbering.on_boundary(&mesh, boundary)).for_each(|node| held[node] = [true; D]);
+    (mesh, numbering, held)
+}
+
 /// The body with the components `fixed(boundary)` of every boundary held.
 pub fn structure<const D: usize>(
     mesh: Mesh<D>,

@@ -4,10 +4,10 @@
 //! law by nested dual numbers.
 #![allow(clippy::unwrap_used)]
 
-use crate::common::{body_force, displacement};
+use crate::common::{body_force, displacement, held_box};
 use basis::{Lagrange, gauss};
 use elasticity::{ElasticMesh, Lame, Material, Solver, Stiffness};
-use mesh::{BoxMesh, CellMap, Curving, Mesh, NodeNumbering};
+use mesh::{CellMap, Mesh, NodeNumbering};
 use tensor::{Transcendental, cofactor, determinant};
 
 /// E(x) / E_0
@@ -65,15 +65,7 @@ fn error<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering, d: &[f64]) -
 
 /// The error with `cells` cells per direction.
 fn solution_error<const D: usize>(cells: usize, order: usize) -> f64 {
-    let curving = Curving::Wavy { amplitude: 0.02 };
-    let mesh = BoxMesh { lower: [0.0; D], upper: [1.0; D], cells: [cells; D], order, curving, periodic: [false; D] }
-        .build()
-        .unwrap();
-    let numbering = NodeNumbering::new(&mesh, order);
-    let mut constrained = vec![[false; D]; numbering.count];
-    (0..2 * D)
-        .flat_map(|boundary| numbering.on_boundary(&mesh, boundary))
-        .for_each(|node| constrained[node] = [true; D]);
+    let (mesh, numbering, constrained) = held_box::<D>(cells, order);
     let material = Material::new(2.0, 0.3).unwrap();
     let modulus = |x: &[f64; D]| stiffness(x);
     // In 3-D, and for one solution, multigrid is faster than a factorisation.

@@ -4,8 +4,8 @@
 //! `cargo test --release -p elasticity --test elasticity operator_times -- --ignored --nocapture`
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+use crate::common::held_box;
 use elasticity::{ElasticMesh, Material, Solver, Stiffness};
-use mesh::{BoxMesh, Curving, NodeNumbering};
 use std::time::Instant;
 
 /// The best of several short bursts, in seconds.
@@ -23,13 +23,7 @@ fn best_time(mut call: impl FnMut()) -> f64 {
 /// Operator and preconditioner of order `order` with about `nodes` nodes per direction.
 fn measure<const D: usize>(order: usize, nodes: usize) {
     let cells = (nodes / (order - 1)).max(2);
-    let curving = Curving::Wavy { amplitude: 0.02 };
-    let mesh = BoxMesh { lower: [0.0; D], upper: [1.0; D], cells: [cells; D], order, curving, periodic: [false; D] }
-        .build()
-        .unwrap();
-    let numbering = NodeNumbering::new(&mesh, order);
-    let mut constrained = vec![[false; D]; numbering.count];
-    (0..2 * D).flat_map(|b| numbering.on_boundary(&mesh, b)).for_each(|node| constrained[node] = [true; D]);
+    let (mesh, numbering, constrained) = held_box::<D>(cells, order);
     let start = Instant::now();
     let (material, solver) = (Material::new(1.0, 0.4).unwrap(), Solver::ConjugateGradients);
     let elastic =

@@ -3,19 +3,13 @@
 //! `cargo test --release -p elasticity --test elasticity solver_times -- --ignored --nocapture`
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+use crate::common::held_box;
 use elasticity::{ElasticMesh, Material, Solver, Stiffness};
-use mesh::{BoxMesh, Curving, NodeNumbering};
 use std::time::Instant;
 
 /// Set-up, first and further solve for a curved box of `cells` cells per direction whose boundary moves.
 fn measure<const D: usize>(cells: usize, order: usize, solver: Solver) {
-    let curving = Curving::Wavy { amplitude: 0.02 };
-    let mesh = BoxMesh { lower: [0.0; D], upper: [1.0; D], cells: [cells; D], order, curving, periodic: [false; D] }
-        .build()
-        .unwrap();
-    let numbering = NodeNumbering::new(&mesh, order);
-    let mut constrained = vec![[false; D]; numbering.count];
-    (0..2 * D).flat_map(|b| numbering.on_boundary(&mesh, b)).for_each(|node| constrained[node] = [true; D]);
+    let (mesh, numbering, constrained) = held_box::<D>(cells, order);
     let material = Material::new(1.0, 0.4).unwrap();
     let start = Instant::now();
     let stiffness = Stiffness::InverseJacobian { power: 1.0 };

@@ -7,7 +7,8 @@
 //! Where the other mesh does not reach, u' is taken at its nearest place; where u' is no gas, the mean of its cell. Mass,
 //! momentum and energy change by the error of interpolation.
 
-use super::{Loaded, Origin, RestartError};
+use super::loaded::Loaded;
+use super::{Origin, RestartError};
 use crate::averages::is_of_averages;
 use crate::cell_finder::{CellFinder, Place};
 use crate::nodal::by_component;
@@ -18,7 +19,7 @@ use fem::Orders;
 use mesh::bounding_box;
 use navier_stokes::Primitive;
 use newton_krylov::inner_product::largest;
-use output::{Arrays, SolverState};
+use output::Arrays;
 
 /// Nodes outside the other mesh are on its boundary if they are nearer to it than this part of its cell there.
 const TOUCHING: f64 = 0.01;
@@ -27,15 +28,15 @@ const TOUCHING: f64 = 0.01;
 const SMALL_PART: f64 = 0.05;
 
 impl Origin {
-    /// The `stored` state of the run on the mesh of `case`: in its own orders, or interpolated in the orders `to`. With a warning about the latter.
+    /// The `loaded` state on the mesh of `case`: in its own orders, or interpolated in the orders `to`. With a warning about the latter.
     pub(super) fn on_mesh_here<const D: usize, const M: usize>(
         &self,
         case: &Case<D>,
         mover: &MeshMover<D>,
-        (stored, is_other_mesh): (&SolverState, bool),
+        loaded: Loaded,
         to: Orders,
+        is_other_mesh: bool,
     ) -> Result<(Loaded, Option<String>), RestartError> {
-        let loaded = self.loaded::<D, M>(case, stored)?;
         if is_other_mesh {
             let (state, warning) = self.interpolated::<D, M>(case, mover, &loaded, to)?;
             return Ok((Loaded { state, frozen: None, stale: false, orders: to }, warning));
