@@ -48,6 +48,18 @@ has_mpi() {
     has mpicc && has mpirun && has_libclang
 }
 
+# The folder of an HDF5 library that is built with the MPI of mpicc, if there is one: named by the user, Debian's, or Homebrew's.
+parallel_hdf5() {
+    local kind=openmpi folder
+    if has mpicc && mpicc -show 2>/dev/null | grep -q mpich; then kind=mpich; fi
+    for folder in "${HDF5_DIR:-}" /usr/lib/*/hdf5/"$kind" "$(if has_brew; then brew --prefix hdf5-mpi 2>/dev/null; fi)"; do
+        if grep -qs "define H5_HAVE_PARALLEL 1" "$folder"/include/H5pubconf.h; then
+            printf '%s\n' "$folder"
+            return
+        fi
+    done
+}
+
 has_libclang() {
     [[ $OSTYPE == darwin* || -n ${LIBCLANG_PATH:-} ]] ||
         compgen -G "/usr/lib*/llvm*/lib*/libclang.so" >/dev/null || compgen -G "/usr/lib*/libclang.so" >/dev/null

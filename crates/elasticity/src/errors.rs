@@ -163,10 +163,13 @@ pub struct Inversion {
     pub volume_ratio: f64,
 }
 
+/// The quantity of an [`Inversion`], as messages call it.
+pub const VOLUME_RATIO: &str = "det(I + grad d)";
+
 impl From<Inversion> for Inadmissible {
     fn from(Inversion { cell, volume_ratio }: Inversion) -> Self {
         let location = format!("in cell {cell} at a point of its elastic energy");
-        Inadmissible { quantity: "det(I + grad d)".into(), value: volume_ratio, location }
+        Inadmissible { quantity: VOLUME_RATIO.into(), value: volume_ratio, location }
     }
 }
 

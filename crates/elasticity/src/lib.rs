@@ -93,7 +93,7 @@ pub use cauchy::{Stress, principal, von_mises};
 pub use dynamics::{Dynamics, DynamicsReport};
 pub use elastic_mesh::ElasticMesh;
 pub use equilibrium::{Accuracy, Guard, Work};
-pub use errors::{ElasticityError, Inversion};
+pub use errors::{ElasticityError, Inversion, VOLUME_RATIO};
 pub use law::Law;
 pub use loads::{BodyForce, Loads, Pressure, SurfacePoint, Traction};
 pub use material::{Lame, Material, NEARLY_INCOMPRESSIBLE, Plane};

@@ -53,7 +53,7 @@ pub struct Share {
     cuts: Vec<Cut>,
     /// Own cells by their numbers in the whole mesh, in increasing order, and their local numbers.
     sorted: Vec<(usize, usize)>,
-    /// On rank 0 the rank of every cell of the whole mesh.
+    /// The rank of every cell of the whole mesh.
     rank_of_cell: Vec<u32>,
     /// Cells of the whole mesh.
     whole: usize,
@@ -97,9 +97,7 @@ impl Share {
             whole: mesh.n_cells(),
         };
         let owners = share.owners(blocks);
-        if share.sums.communicator().rank() == 0 {
-            share.rank_of_cell = owners.iter().map(|&rank| rank as u32).collect();
-        }
+        share.rank_of_cell = owners.iter().map(|&rank| rank as u32).collect();
         share.meet_neighbours(mesh, blocks, &owners);
         share.find_cuts(mesh, &owners);
         share.blocks.of_cell = share.cells().map(|cell| blocks.of_cell[cell]).collect();
@@ -199,6 +197,12 @@ impl Share {
     /// The own part of `whole`, `len` numbers for every cell of the whole mesh.
     pub fn own_part(&self, whole: &[f64]) -> Vec<f64> {
         numbers_of(self.own.iter().copied(), whole, whole.len() / self.whole)
+    }
+
+    /// The local numbers of the own cells in a range of cells of the whole mesh, in the order of the whole mesh.
+    fn own_within(&self, range: &Range<usize>) -> impl Iterator<Item = usize> + '_ {
+        let before = |end: usize| self.sorted.partition_point(|(cell, _)| *cell < end);
+        self.sorted[before(range.start)..before(range.end)].iter().map(|(_, place)| *place)
     }
 
     /// The local numbers of those of `cells`, numbers in the whole mesh, that are own cells.

@@ -13,8 +13,6 @@ const MAX_STEPS: usize = 30;
 const MAX_NEAREST_STEPS: usize = 300;
 /// Halvings of such a step; the last one is as small as round-off.
 const MAX_HALVINGS: i32 = 30;
-/// The part of the expected decrease of f that a step towards the nearest place must reach: the condition of Armijo.
-const SUFFICIENT_DECREASE: f64 = 1e-4;
 /// Positions agree if they differ by less than this fraction of the extent of the cell, reference coordinates by less than
 /// this.
 const TOLERANCE: f64 = 1e-10;
@@ -47,34 +45,37 @@ pub fn locate_in_cell<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D])
 /// minimise f = |r|^2 / 2,  r = x(xi) - x,   |xi_a| <= 1:     xi := P( xi - t s ),   A s = J^T r                          (nearest)
 /// ```
 ///
-/// A = J^T J without the axes on whose bounds xi stays, P clamps, and t is halved until f falls enough. The start is the nearest node.
+/// A = J^T J without the axes on whose bounds xi stays, P clamps, and t is halved until f falls. The searches start at the nearest nodes: one alone
+/// may stay where f is stationary and not least, as above the middle of a hollow side.
 pub fn nearest_in_cell<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D]) -> ([f64; D], f64) {
+    let starts = nearest_nodes(order, nodes, x).into_iter().take(D + 1);
+    let found = starts.map(|xi| nearest_from(xi, order, nodes, x));
+    found.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or(([0.0; D], f64::INFINITY))
+}
+
+/// (nearest) from the start `xi`.
+fn nearest_from<const D: usize>(mut xi: [f64; D], order: usize, nodes: &[f64], x: &[f64; D]) -> ([f64; D], f64) {
     let distance_at = |xi: &[f64; D]| norm(&difference(order, nodes, x, xi).0);
-    let mut xi = nearest_node(order, nodes, x);
     let mut distance = distance_at(&xi);
     for _ in 0..MAX_NEAREST_STEPS {
         let (r, jacobian) = difference(order, nodes, x, &xi);
         let gradient = from_fn(|a| dot(&from_fn(|i| jacobian[i][a]), &r));
         let s = step_within(&xi, &jacobian, &gradient);
         let moved = |halvings: i32| from_fn(|a| (xi[a] - 0.5_f64.powi(halvings) * s[a]).clamp(-1.0, 1.0));
-        let is_enough = |(next, nearer): &([f64; D], f64)| {
-            let expected = dot(&gradient, &from_fn(|a| xi[a] - next[a]));
-            *nearer < distance && 0.5 * (distance - nearer) * (distance + nearer) >= SUFFICIENT_DECREASE * expected
-        };
-        let Some(better) = (0..MAX_HALVINGS).map(moved).map(|next| (next, distance_at(&next))).find(is_enough) else {
-            break;
-        };
+        let mut tried = (0..MAX_HALVINGS).map(moved).map(|next| (next, distance_at(&next)));
+        let Some(better) = tried.find(|(_, nearer)| *nearer < distance) else { break };
         (xi, distance) = better;
     }
     (xi, distance)
 }
 
-/// The reference point of the node nearest to `x`.
-fn nearest_node<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D]) -> [f64; D] {
+/// The reference points of the nodes, the nearest to `x` first.
+fn nearest_nodes<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D]) -> Vec<[f64; D]> {
     let points = gauss_lobatto(order).points;
-    let from = |k: &usize| norm(&from_fn::<f64, D, _>(|i| nodes[k * D + i] - x[i]));
-    let nearest = (0..order.pow(D as u32)).min_by(|k, l| from(k).total_cmp(&from(l))).unwrap_or(0);
-    from_fn(|axis| points[digit(nearest, order, axis)])
+    let distance = |k: usize| norm(&from_fn::<f64, D, _>(|i| nodes[k * D + i] - x[i]));
+    let mut ordered: Vec<usize> = (0..order.pow(D as u32)).collect();
+    ordered.sort_by(|&k, &l| distance(k).total_cmp(&distance(l)));
+    ordered.into_iter().map(|k| from_fn(|axis| points[digit(k, order, axis)])).collect()
 }
 
 /// s of (nearest): no component along an axis on whose bound xi would leave the cell.
@@ -191,15 +192,17 @@ mod tests {
         }
     }
 
-    /// The side at eta = 1 is a parabola of radius 1 at its vertex: Gauss-Newton steps for a point at this distance converge slowly, and without
-    /// a sufficient decrease they went back and forth.
+    /// The side at eta = 1 is a parabola of radius 1 at its vertex: Gauss-Newton steps for a point at this distance converge slowly, and 30 of them
+    /// ended 1.5e-5 too far. Above the vertex a search from its node stays there, where the distance has a maximum along the side.
     #[test]
     fn the_nearest_place_is_found_at_the_radius_of_a_curved_side() {
         let points = gauss_lobatto(3).points;
         let place = |xi: f64, eta: f64| [0.6 * xi, 0.5 * (1.0 + eta) * (1.0 + 0.18 * xi * xi) - 1.0];
         let nodes: Vec<f64> =
             points.iter().flat_map(|&eta| points.iter().flat_map(move |&xi| place(xi, eta))).collect();
-        for (distance, across) in [(0.5, 0.0), (0.9, 0.1), (0.99, 0.02), (1.0, 0.01), (1.5, 0.3)] {
+        for (distance, across) in
+            [(0.5, 0.0), (0.9, 0.1), (0.99, 0.02), (1.0, 0.01), (1.5, 0.3), (1.05, 0.0), (1.5, 0.0)]
+        {
             let x = [across, distance];
             let (_, found) = nearest_in_cell(3, &nodes, &x);
             let along = (0..=200_000).map(|k| 1e-5 * f64::from(k) - 1.0).map(|xi| place(xi, 1.0));

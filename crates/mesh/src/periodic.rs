@@ -91,7 +91,8 @@ fn vertex_positions<const D: usize>(mesh: &Mesh<D>, sides: &[Side]) -> BTreeMap<
 }
 
 /// The translation between the points of two boundaries: along every axis the median of the differences of their coordinates, each in increasing
-/// order. One point in a wrong place does not change it, unlike that between the means, from which all points would then be apart.
+/// order. One point in a wrong place changes it little, and not at all if the order of the coordinates stays. Between means the translation would be
+/// wrong for all points.
 pub(crate) fn translation<const D: usize>(from: &[[f64; D]], to: &[[f64; D]]) -> [f64; D] {
     let sorted = |mut numbers: Vec<f64>| {
         numbers.sort_by(f64::total_cmp);

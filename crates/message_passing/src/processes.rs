@@ -8,7 +8,7 @@ use mpi::environment::Universe;
 use mpi::request::{Request, Scope, scope};
 use mpi::topology::{Communicator as _, SimpleCommunicator};
 use mpi::traits::{Destination, Equivalence, Root, Source};
-use ranks::Communicator;
+use ranks::{Communicator, FileSharing};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -53,6 +53,13 @@ impl Drop for Mpi {
             self.abort(PANIC)
         }
     }
+}
+
+/// The communicator of all ranks, as libraries in C take it. MPI has been started.
+#[cfg(feature = "parallel-hdf5")]
+pub fn handle_of_world() -> mpi::ffi::MPI_Comm {
+    use mpi::raw::AsRaw;
+    SimpleCommunicator::world().as_raw()
 }
 
 /// A number of entries, as MPI counts.
@@ -139,5 +146,9 @@ impl Communicator for Mpi {
 
     fn abort(&self, code: i32) -> ! {
         self.world().abort(code)
+    }
+
+    fn file_sharing(&self) -> Option<FileSharing> {
+        cfg!(feature = "parallel-hdf5").then_some(FileSharing::Mpi)
     }
 }

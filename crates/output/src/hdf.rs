@@ -1,8 +1,10 @@
 //! The few HDF5 operations that the format needs: arrays that grow along axis 0, texts, labels.
 
+use hdf5::plist::dataset_create::{AllocTime, FillTime};
 use hdf5::types::{VarLenAscii, VarLenUnicode};
 use hdf5::{
-    Dataset, Error, Extent, File, FileBuilder, Group, H5Type, Hyperslab, Location, Result, SimpleExtents, SliceOrIndex,
+    Dataset, DatasetBuilder, Error, Extent, File, FileBuilder, Group, H5Type, Hyperslab, Location, Result,
+    SimpleExtents, SliceOrIndex,
 };
 use ndarray::ArrayViewD;
 
@@ -28,9 +30,20 @@ pub(crate) fn options() -> FileBuilder {
 /// other threads would wait.
 pub(crate) fn growing<T: H5Type>(group: &Group, name: &str, rows: usize, row: &[usize]) -> Result<Dataset> {
     let bytes = rows * row.iter().product::<usize>() * size_of::<T>();
-    let builder = group.new_dataset::<T>().obj_track_times(false).chunk(chunk(rows, row, bytes));
+    let builder = allocated_early(group).chunk(chunk(rows, row, bytes)).empty::<T>();
     let axes = row.iter().map(|&length| Extent::fixed(length));
     builder.shape(SimpleExtents::from_vec(std::iter::once(Extent::resizable(0)).chain(axes).collect())).create(name)
+}
+
+/// An array that has its room on the disk as soon as it has its shape, without values: then other ranks can write there, see `SharedFile`.
+pub(crate) fn allocated_early(group: &Group) -> DatasetBuilder {
+    let builder = group.new_dataset_builder().obj_track_times(false);
+    builder.alloc_time(Some(AllocTime::Early)).fill_time(FillTime::Never)
+}
+
+/// Whether an array has been made as by [`allocated_early`].
+pub(crate) fn is_allocated_early(dataset: &Dataset) -> Result<bool> {
+    Ok(dataset.create_plist()?.alloc_time() == AllocTime::Early)
 }
 
 /// Shape of a chunk: many small steps, or equal parts of one step of `bytes` bytes, cut along its slowest axis.
@@ -48,23 +61,33 @@ fn chunk(rows: usize, row: &[usize], bytes: usize) -> Vec<usize> {
 
 /// Appends `rows` rows, given one after the other, to an array that grows along axis 0.
 pub(crate) fn append<T: H5Type>(dataset: &Dataset, rows: usize, values: &[T]) -> Result<()> {
+    write_at(dataset, dataset.shape()[0], rows, values)
+}
+
+/// Writes `rows` rows, from the row `first` on, to an array that grows along axis 0.
+pub(crate) fn write_at<T: H5Type>(dataset: &Dataset, first: usize, rows: usize, values: &[T]) -> Result<()> {
+    make_room(dataset, first + rows)?;
     let mut shape = dataset.shape();
-    let first = shape[0];
-    shape[0] += rows;
-    dataset.resize(&shape)?;
     let whole = std::iter::repeat_n(SliceOrIndex::from(..), shape.len() - 1);
     let selection: Vec<_> = std::iter::once(SliceOrIndex::from(first..first + rows)).chain(whole).collect();
     shape[0] = rows;
     dataset.write_slice(ArrayViewD::from_shape(shape, values)?, Hyperslab::from(selection))
 }
 
+/// Gives an array at least so many `rows` along axis 0.
+pub(crate) fn make_room(dataset: &Dataset, rows: usize) -> Result<()> {
+    let mut shape = dataset.shape();
+    if shape[0] >= rows {
+        return Ok(());
+    }
+    shape[0] = rows;
+    dataset.resize(&shape)
+}
+
 /// Writes `rows` rows of the second axis, from the row `first` on, at the number `step` of axis 0, along which the array grows.
 pub(crate) fn write_rows(dataset: &Dataset, step: usize, first: usize, rows: usize, values: &[f64]) -> Result<()> {
+    make_room(dataset, step + 1)?;
     let mut shape = dataset.shape();
-    if shape[0] <= step {
-        shape[0] = step + 1;
-        dataset.resize(&shape)?;
-    }
     let here = [step..step + 1, first..first + rows].map(SliceOrIndex::from);
     let whole = std::iter::repeat_n(SliceOrIndex::from(..), shape.len() - 2);
     let selection: Vec<_> = here.into_iter().chain(whole).collect();

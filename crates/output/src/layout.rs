@@ -46,6 +46,9 @@ impl FieldSpec {
     }
 }
 
+/// The label of an axis of the cells of the flow.
+const CELL: &str = "cell";
+
 /// One axis of an array of coefficients.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Axis {
@@ -74,6 +77,16 @@ impl ArraySpec {
     /// Number of values in one step.
     pub fn len(&self) -> usize {
         self.axes.iter().map(|axis| axis.length).product()
+    }
+
+    /// Number of values of one entry of the first axis, at least 1.
+    pub(crate) fn entry_len(&self) -> usize {
+        self.axes.iter().skip(1).map(|axis| axis.length).product::<usize>().max(1)
+    }
+
+    /// Whether the entries of its first axis are the cells of the flow.
+    pub(crate) fn is_of_cells(&self) -> bool {
+        self.axes.first().is_some_and(|axis| axis.label == CELL)
     }
 
     /// Whether a step has no values.

@@ -63,6 +63,7 @@ mod rest_mesh;
 mod result_file;
 mod seal;
 mod series;
+mod shared_file;
 mod slice_series;
 mod state;
 mod step;
@@ -88,8 +89,9 @@ pub use reader::ResultReader;
 pub use rest_mesh::RestMesh;
 pub use result_file::{Kept, RESULT_FILE, ResultFile, open_checkpoint, read_checkpoint};
 pub use series::Series;
+pub use shared_file::SharedFile;
 pub use slice_series::SliceSeries;
-pub use state::{ArrayInParts, Arrays, SolverState};
+pub use state::{ArrayInParts, Arrays, Parts, SolverState};
 pub use step::{Step, StepInParts};
 pub use summary::{
     Body, Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Oscillation, SUMMARY_FILE,

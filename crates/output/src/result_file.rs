@@ -196,12 +196,26 @@ impl ResultFile {
     /// # Errors
     /// As [`Self::checkpoint`].
     pub fn checkpoint_with(&mut self, state: &SolverState, long: Vec<ArrayInParts<'_>>) -> Result<(), OutputError> {
+        self.checkpoint_together(state, long, |_| Ok(()))
+    }
+
+    /// The same, where all ranks `write` the arrays [`crate::Parts::OfAllRanks`] by a [`crate::SharedFile`] at the path that they receive.
+    ///
+    /// # Errors
+    /// As [`Self::checkpoint`], and those of `write`.
+    pub fn checkpoint_together<E: From<OutputError>>(
+        &mut self,
+        state: &SolverState,
+        long: Vec<ArrayInParts<'_>>,
+        write_parts: impl FnOnce(&Path) -> Result<(), E>,
+    ) -> Result<(), E> {
         let file = self.take_working_copy()?;
         let write = || {
             state::write(&file.group(format::GROUP)?, state, long)?;
             file.close()
         };
         write().map_err(|source| self.write_error(source))?;
+        write_parts(&self.working)?;
         seal::write(&self.working)?;
         publish(&self.working, &self.published)?;
         self.copy = WorkingCopy::None;
@@ -218,6 +232,26 @@ impl ResultFile {
                 self.open_copy().map_err(|source| self.write_error(source))
             }
         }
+    }
+
+    /// Whether other ranks can write to the arrays. They cannot in a file of an earlier program.
+    ///
+    /// # Errors
+    /// [`OutputError::Hdf5`] or [`OutputError::File`] if the file cannot be written.
+    pub fn can_be_shared(&mut self) -> Result<bool, OutputError> {
+        let file = self.take_working_copy()?;
+        let points = file.dataset("VTKHDF/Points").and_then(|points| hdf::is_allocated_early(&points));
+        self.copy = WorkingCopy::Open(file);
+        points.map_err(|source| self.write_error(source))
+    }
+
+    pub(crate) fn working(&self) -> &Path {
+        &self.working
+    }
+
+    /// The working copy that was closed, open again.
+    pub(crate) fn open_working(&mut self) -> Result<File, OutputError> {
+        self.open_copy().map_err(|source| self.write_error(source))
     }
 
     /// The copy of the published file, with the new case if there is one.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use hdf5::{Dataset, Error, Group, Result};
 
-use crate::hdf::{group_in, growing, read_integer, read_text, write_integer, write_text};
+use crate::hdf::{allocated_early, group_in, growing, read_integer, read_text, write_integer, write_text};
 
 /// Arrays by their names. They may be shared with the solver: a checkpoint needs no copy of large ones.
 pub type Arrays = BTreeMap<String, Arc<Vec<f64>>>;
@@ -28,17 +28,30 @@ pub struct ArrayInParts<'a> {
     /// The number of its values.
     pub len: usize,
     /// Its values.
-    pub parts: Box<dyn Iterator<Item = Vec<f64>> + 'a>,
+    pub parts: Parts<'a>,
+}
+
+/// The values of a long array.
+pub enum Parts<'a> {
+    /// One part after the other.
+    InOrder(Box<dyn Iterator<Item = Vec<f64>> + 'a>),
+    /// Each rank writes some of them, see [`crate::SharedFile`].
+    OfAllRanks,
 }
 
 /// Numbers in a chunk of an array that changes its length.
 const CHUNK: usize = 2048;
 
+/// Name of the group of the state.
+const STATE: &str = "state";
+/// Name of the group of its arrays.
+const ARRAYS: &str = "arrays";
+
 /// Replaces the state in the group `parent` by `state` with the `long` arrays. The space of the old one is used again: what a file frees is lost
 /// when it is closed.
 pub(crate) fn write(parent: &Group, state: &SolverState, long: Vec<ArrayInParts<'_>>) -> Result<()> {
-    let group = group_in(parent, "state")?;
-    let arrays = group_in(&group, "arrays")?;
+    let group = group_in(parent, STATE)?;
+    let arrays = group_in(&group, ARRAYS)?;
     let stays = |name: &String| state.arrays.contains_key(name) || long.iter().any(|array| array.name == *name);
     arrays.member_names()?.iter().filter(|name| !stays(name)).try_for_each(|name| arrays.unlink(name))?;
     state.arrays.iter().try_for_each(|(name, values)| replace(&arrays, name, values))?;
@@ -71,6 +84,7 @@ fn replace(arrays: &Group, name: &str, values: &[f64]) -> Result<()> {
 /// [`replace`] for an array in parts.
 fn replace_in_parts(arrays: &Group, ArrayInParts { name, len, parts }: ArrayInParts<'_>) -> Result<()> {
     let array = room(arrays, &name, len)?;
+    let Parts::InOrder(parts) = parts else { return Ok(()) };
     let mut end = 0;
     for part in parts.filter(|part| !part.is_empty()) {
         end += part.len();
@@ -79,10 +93,15 @@ fn replace_in_parts(arrays: &Group, ArrayInParts { name, len, parts }: ArrayInPa
     if end == len { Ok(()) } else { Err(Error::from(format!("`{name}` has {end} values, {len} were expected"))) }
 }
 
+/// Writes `values` to the array `name` of the state in the group `parent`, from the number `first` on.
+pub(crate) fn write_part(parent: &Group, name: &str, first: usize, values: &[f64]) -> Result<()> {
+    parent.group(STATE)?.group(ARRAYS)?.dataset(name)?.write_slice(values, first..first + values.len())
+}
+
 /// An array of `len` values, the earlier one if there is one. One that changes its length consists of chunks from then on.
 fn room(arrays: &Group, name: &str, len: usize) -> Result<Dataset> {
     if !arrays.link_exists(name) {
-        return arrays.new_dataset::<f64>().obj_track_times(false).shape(len).create(name);
+        return allocated_early(arrays).empty::<f64>().shape(len).create(name);
     }
     let mut array = arrays.dataset(name)?;
     if array.size() != len {
@@ -97,8 +116,8 @@ fn room(arrays: &Group, name: &str, len: usize) -> Result<Dataset> {
 
 /// Reads the state in the group `parent`, except for the arrays that stay `in_file`.
 pub(crate) fn read(parent: &Group, in_file: &[&str]) -> Result<(SolverState, BTreeMap<String, Dataset>)> {
-    let group = parent.group("state")?;
-    let (arrays, integers, texts) = (group.group("arrays")?, group.group("integers")?, group.group("texts")?);
+    let group = parent.group(STATE)?;
+    let (arrays, integers, texts) = (group.group(ARRAYS)?, group.group("integers")?, group.group("texts")?);
     let (stay, now) = arrays.member_names()?.into_iter().partition(|name| in_file.contains(&name.as_str()));
     let state = SolverState {
         arrays: named(now, |name| Ok(Arc::new(arrays.dataset(name)?.read_raw()?)))?,

@@ -1,8 +1,9 @@
 //! One step of a file, whole or in parts, and whether it fits the layout.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
-use hdf5::File;
+use hdf5::{File, Group};
 
 use crate::error::OutputError;
 use crate::layout::{ArraySpec, FieldSpec, FileLayout};
@@ -68,20 +69,61 @@ impl<'a> StepInParts<'a> {
     }
 
     fn write(&mut self, part: &Step, fields: &[&[f64]]) -> hdf5::Result<()> {
-        let (root, group) = (self.file.group("VTKHDF")?, self.file.group(format::GROUP)?);
         let layout = &self.result.layout;
-        vtkhdf::append_cells(&root, layout, &self.result.order, part.points, fields)?;
-        *self.written.entry(POINTS.to_owned()).or_default() += part.points.len();
-        let step = vtkhdf::times(&root)?.len();
-        let exact = group.group("exact")?;
+        let (root, group) = (self.file.group("VTKHDF")?, self.file.group(format::GROUP)?);
+        let first = vtkhdf::times(&root)?.len() * layout.grid.points() + self.written(POINTS) / 3;
+        vtkhdf::write_cells(&root, layout, &self.result.order, first, (part.points, fields))?;
         for (name, values) in part.exact {
             let Some(array) = layout.exact.iter().find(|array| array.name == *name) else { continue };
-            let row = array.axes.iter().skip(1).map(|axis| axis.length).product::<usize>().max(1);
-            let written = self.written.entry((*name).to_owned()).or_default();
-            hdf::write_rows(&exact.dataset(name)?, step, *written / row, values.len() / row, values)?;
-            *written += values.len();
+            write_entries(&root, &group, array, self.written(name) / array.entry_len(), values)?;
         }
+        let numbers = part.exact.iter().map(|(name, values)| (*name, values.len()));
+        numbers.chain([(POINTS, part.points.len())]).for_each(|(name, count)| self.count(name, count));
         Ok(())
+    }
+
+    fn written(&self, name: &str) -> usize {
+        self.written.get(name).copied().unwrap_or_default()
+    }
+
+    fn count(&mut self, name: &str, numbers: usize) {
+        *self.written.entry(name.to_owned()).or_default() += numbers;
+    }
+
+    /// Has all ranks `write` the next `cells` by a [`SharedFile`] at the path that they receive, with the arrays of coefficients that have numbers
+    /// of cells.
+    ///
+    /// # Errors
+    /// Those of `write`, and [`OutputError::Hdf5`] if the room for the cells cannot be made.
+    pub fn share<E: From<OutputError>>(
+        mut self,
+        cells: usize,
+        write: impl FnOnce(&Path) -> Result<(), E>,
+    ) -> Result<Self, E> {
+        let points = cells * self.result.layout.grid.points_per_cell();
+        let of_cells: Vec<(String, usize)> = self
+            .result
+            .layout
+            .exact
+            .iter()
+            .filter(|array| array.is_of_cells())
+            .map(|array| (array.name.clone(), array.len()))
+            .collect();
+        let make_room = || {
+            let root = self.file.group("VTKHDF")?;
+            let steps = vtkhdf::times(&root)?.len();
+            vtkhdf::make_room_for(&root, &self.result.layout, steps * self.result.layout.grid.points() + points)?;
+            let exact = self.file.group(format::GROUP)?.group("exact")?;
+            of_cells.iter().try_for_each(|(name, _)| hdf::make_room(&exact.dataset(name)?, steps + 1))
+        };
+        make_room().map_err(|source| self.result.write_error(source))?;
+        self.count(POINTS, 3 * points);
+        of_cells.iter().for_each(|(name, numbers)| self.count(name, *numbers));
+        let StepInParts { result, file, time, written } = self;
+        file.close().map_err(|source| result.write_error(source))?;
+        write(result.working())?;
+        let file = result.open_working()?;
+        Ok(StepInParts { result, file, time, written })
     }
 
     /// Makes the parts a step.
@@ -99,11 +141,24 @@ impl<'a> StepInParts<'a> {
     }
 
     fn is_complete(&self, name: &str, expected: usize) -> Result<(), OutputError> {
-        match self.written.get(name).copied().unwrap_or_default() {
+        match self.written(name) {
             found if found == expected => Ok(()),
             found => Err(OutputError::Length { name: name.to_owned(), expected, found }),
         }
     }
+}
+
+/// Writes entries of the first axis of an array of coefficients, from the number `first` on, in the step that is not closed yet.
+pub(crate) fn write_entries(
+    root: &Group,
+    group: &Group,
+    array: &ArraySpec,
+    first: usize,
+    values: &[f64],
+) -> hdf5::Result<()> {
+    let step = vtkhdf::times(root)?.len();
+    let dataset = group.group("exact")?.dataset(&array.name)?;
+    hdf::write_rows(&dataset, step, first, values.len() / array.entry_len(), values)
 }
 
 /// What the points are called in messages.

@@ -46,7 +46,8 @@ impl ViewerFile {
         let fields = step.fields_in_order(&self.layout)?;
         let write = || {
             let root = self.file.group("VTKHDF")?;
-            vtkhdf::append_cells(&root, &self.layout, &self.order, step.points, &fields)?;
+            let first = vtkhdf::times(&root)?.len() * self.layout.grid.points();
+            vtkhdf::write_cells(&root, &self.layout, &self.order, first, (step.points, &fields))?;
             vtkhdf::close_step(&root, step.time, &self.layout)
         };
         write().map_err(|source| write_error(&self.path, source))

@@ -7,7 +7,7 @@
 use hdf5::types::FixedAscii;
 use hdf5::{Error, Group, Result};
 
-use crate::hdf::{append, constant, drop_last, growing, indices, write_integer};
+use crate::hdf::{append, constant, drop_last, growing, indices, make_room, write_at, write_integer};
 use crate::lagrange::in_vtk_order;
 use crate::layout::{FieldSpec, FileLayout, Grid};
 
@@ -82,21 +82,30 @@ pub(crate) fn times(root: &Group) -> Result<Vec<f64>> {
     root.dataset("Steps/Values")?.read_raw()
 }
 
-/// Appends points and `fields` of cells, in the order of the layout. `order` comes from [`crate::vtk_order`].
-pub(crate) fn append_cells(
+/// Writes points and `fields` of cells, in the order of the layout, from the point `first` of all steps on. `order` comes from
+/// [`crate::vtk_order`].
+pub(crate) fn write_cells(
     root: &Group,
     layout: &FileLayout,
     order: &[usize],
-    points: &[f64],
-    fields: &[&[f64]],
+    first: usize,
+    (points, fields): (&[f64], &[&[f64]]),
 ) -> Result<()> {
-    append(&root.dataset("Points")?, points.len() / 3, &in_vtk_order(order, points, 3))?;
+    let rows = points.len() / 3;
+    write_at(&root.dataset("Points")?, first, rows, &in_vtk_order(order, points, 3))?;
     let point_data = root.group("PointData")?;
     for (field, values) in layout.fields.iter().zip(fields) {
         let values = in_vtk_order(order, values, field.components);
-        append(&point_data.dataset(&field.name)?, points.len() / 3, &values)?;
+        write_at(&point_data.dataset(&field.name)?, first, rows, &values)?;
     }
     Ok(())
+}
+
+/// Gives all steps together at least so many points.
+pub(crate) fn make_room_for(root: &Group, layout: &FileLayout, points: usize) -> Result<()> {
+    make_room(&root.dataset("Points")?, points)?;
+    let point_data = root.group("PointData")?;
+    layout.fields.iter().try_for_each(|field| make_room(&point_data.dataset(&field.name)?, points))
 }
 
 /// Makes the appended points and fields a step: they become valid when its number is raised here.

@@ -7,10 +7,12 @@ mod common;
 use std::fs;
 use std::path::Path;
 
-use common::{CASE, append, append_in_parts, contents, layout, metadata, noise, run, seal, state};
+use common::{
+    CASE, append, append_in_parts, append_together, contents, layout, metadata, noise, run, seal, state, together,
+};
 use output::{
-    ArrayInParts, ArraySpec, EarlierRun, FieldSpec, FileLayout, Kept, Metadata, OutputError, RESULT_FILE, ResultFile,
-    ResultReader, RunDirectory, SolverState, Step, inspect, read_checkpoint,
+    ArrayInParts, ArraySpec, EarlierRun, FieldSpec, FileLayout, Kept, Metadata, OutputError, Parts, RESULT_FILE,
+    ResultFile, ResultReader, RunDirectory, SolverState, Step, inspect, read_checkpoint,
 };
 
 /// NaN is not equal to itself: compare the bits.
@@ -126,10 +128,53 @@ fn parts_make_the_same_file() {
         let mut state = state(slab);
         let flow = state.arrays.remove("flow").unwrap();
         let parts = flow.chunks(99).map(<[f64]>::to_vec);
-        let long = ArrayInParts { name: "flow".to_owned(), len: flow.len(), parts: Box::new(parts) };
+        let long = ArrayInParts { name: "flow".to_owned(), len: flow.len(), parts: Parts::InOrder(Box::new(parts)) };
         result.checkpoint_with(&state, vec![long]).unwrap();
     }
     assert_eq!(contents(&whole.path().join(RESULT_FILE)), contents(&in_parts.path().join(RESULT_FILE)));
+}
+
+/// A step and a state that several ranks write together make the file that one writes, also after a resume.
+#[test]
+fn ranks_that_write_together_make_the_same_file() {
+    let (whole, shared) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    run(whole.path(), 0, 3, 1);
+    let directory = RunDirectory::open(shared.path()).unwrap();
+    let mut result = ResultFile::create(&directory, layout(), &metadata()).unwrap();
+    for slab in 1..=3 {
+        if slab == 3 {
+            drop(result);
+            result = ResultFile::resume(&directory, &metadata(), &[], |_, _| Ok(())).unwrap().0;
+        }
+        assert!(result.can_be_shared().unwrap());
+        append_together(&mut result, slab, &[17..40, 0..1, 1..17]).unwrap();
+        let mut state = state(slab);
+        let flow = state.arrays.remove("flow").unwrap();
+        let long = ArrayInParts { name: "flow".to_owned(), len: flow.len(), parts: Parts::OfAllRanks };
+        let write = |path: &Path| {
+            together(path, 2, |rank, file| {
+                let (before, after) = flow.split_at(99);
+                file.write_state("flow", 99 * rank, [before, after][rank])
+            })
+        };
+        result.checkpoint_together(&state, vec![long], write).unwrap();
+    }
+    assert_eq!(contents(&whole.path().join(RESULT_FILE)), contents(&shared.path().join(RESULT_FILE)));
+}
+
+/// Nothing is published after a rank could not write.
+#[test]
+fn a_step_that_a_rank_could_not_write_is_no_step() {
+    let directory = tempfile::tempdir().unwrap();
+    let locked = RunDirectory::open(directory.path()).unwrap();
+    let mut result = ResultFile::create(&locked, layout(), &metadata()).unwrap();
+    let refuse = |path: &Path| {
+        together(path, 2, |rank, file| if rank == 0 { Ok(()) } else { file.write_state("no such array", 0, &[1.0]) })
+    };
+    let step = result.append_in_parts(1.0).unwrap();
+    assert!(matches!(step.share(40, refuse), Err(OutputError::Hdf5 { .. })));
+    assert!(result.checkpoint(&state(1)).is_err());
+    assert!(!directory.path().join(RESULT_FILE).exists());
 }
 
 /// Nothing is published after a step that lacks a part.

@@ -2,6 +2,15 @@
 
 use std::sync::Arc;
 
+/// How several ranks write one file together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileSharing {
+    /// As threads of one process.
+    Threads,
+    /// As processes, through MPI.
+    Mpi,
+}
+
 /// A group of ranks that solve one case together. Every call is collective: all ranks make the same calls in the same order.
 ///
 /// A call ends when this rank has received its data. A failure of the network or of another rank ends the process, or panics; it is not an
@@ -35,6 +44,11 @@ pub trait Communicator: Send + Sync {
 
     /// Ends all ranks at once: after a panic or an error that the others cannot know of.
     fn abort(&self, code: i32) -> !;
+
+    /// How the ranks write one file together; `None` if only rank 0 writes. The same on all ranks.
+    fn file_sharing(&self) -> Option<FileSharing> {
+        None
+    }
 }
 
 impl<C: Communicator + ?Sized> Communicator for Arc<C> {
@@ -64,5 +78,9 @@ impl<C: Communicator + ?Sized> Communicator for Arc<C> {
 
     fn abort(&self, code: i32) -> ! {
         (**self).abort(code)
+    }
+
+    fn file_sharing(&self) -> Option<FileSharing> {
+        (**self).file_sharing()
     }
 }

@@ -1,6 +1,6 @@
 //! A communicator that counts what it sends.
 
-use crate::Communicator;
+use crate::{Communicator, FileSharing};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Counts of the messages of a rank. Tests measure communication by them, because counts do not depend on the machine.
@@ -96,6 +96,10 @@ impl<C: Communicator> Communicator for Counting<C> {
 
     fn abort(&self, code: i32) -> ! {
         self.communicator.abort(code)
+    }
+
+    fn file_sharing(&self) -> Option<FileSharing> {
+        self.communicator.file_sharing()
     }
 }
 

@@ -32,7 +32,7 @@ mod threads;
 
 pub use agreement::agree;
 pub use alone::Alone;
-pub use communicator::Communicator;
+pub use communicator::{Communicator, FileSharing};
 pub use counting::{Counting, Traffic};
 pub use sums::Sums;
 pub use threads::Threads;

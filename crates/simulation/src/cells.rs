@@ -13,6 +13,14 @@ pub fn ranges(cells: usize, len: usize) -> impl Iterator<Item = Range<usize>> + 
     (0..cells).step_by(step).map(move |start| start..cells.min(start + step))
 }
 
+/// All of so many `cells` in rounds, each with a range for every one of so many `ranks`, which may be empty. Each range has at most [`PART`] numbers,
+/// where each cell has `len`.
+pub fn rounds(cells: usize, len: usize, ranks: usize) -> impl Iterator<Item = Vec<Range<usize>>> {
+    let step = (PART / len.max(1)).clamp(1, cells.div_ceil(ranks).max(1));
+    let range = move |start: usize| start.min(cells)..cells.min(start + step);
+    (0..cells).step_by(step * ranks).map(move |start| (0..ranks).map(|rank| range(start + rank * step)).collect())
+}
+
 /// Where the state in some cells comes from; they may be listed twice.
 pub type StateSource<'a> = dyn Fn(Vec<usize>) -> StateInCells<'a> + 'a;
 
@@ -96,6 +104,17 @@ mod tests {
             let covered: Vec<usize> = ranges(cells, len).flatten().collect();
             assert_eq!(covered, (0..cells).collect::<Vec<_>>());
             assert!(ranges(cells, len).all(|range| range.len() == 1 || range.len() * len <= PART));
+        }
+    }
+
+    #[test]
+    fn rounds_cover_all_cells_once() {
+        for (cells, len, ranks) in [(0, 5, 2), (1, 1 << 22, 3), (7, 1 << 19, 4), (1000, 640, 3), (3, 0, 2), (10, 1, 1)]
+        {
+            let rounds: Vec<Vec<Range<usize>>> = rounds(cells, len, ranks).collect();
+            assert_eq!(rounds.iter().flatten().cloned().flatten().collect::<Vec<_>>(), (0..cells).collect::<Vec<_>>());
+            assert!(rounds.iter().all(|ranges| ranges.len() == ranks));
+            assert!(rounds.iter().flatten().all(|range| range.len() <= 1 || range.len() * len <= PART));
         }
     }
 

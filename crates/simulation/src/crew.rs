@@ -10,6 +10,7 @@
 //! | send places | send the order of elimination to rank 0 |
 //! | integrate, add up, measure | send integrals, sums, errors of the flow to rank 0 |
 //! | begin averages | drop averages that the run does not continue |
+//! | write a step, a state | write a part of the cells to the result, where all ranks write it |
 //! | tell memory | send their largest memory |
 //! | finish | end |
 //!
@@ -23,12 +24,14 @@ mod orders;
 mod parts;
 mod serve;
 mod stored;
+mod together;
 
 pub use agreement::agree;
 pub use orders::{Order, Orders};
 pub use parts::{OfCells, Own};
 pub use serve::serve;
 pub use stored::BLOCKS;
+pub use together::Together;
 
 use super::history::require_distinct_columns;
 use super::memory_estimate::require_memory;

@@ -8,7 +8,7 @@ use super::averages::{AverageSums, add_slab};
 use super::bodies::is_of_body;
 use super::body_record::BodyRecord;
 use super::context::{RunContext, Stop};
-use super::crew::{self, Crew, OfCells, Order, Orders, Own, begin_averages};
+use super::crew::{self, Crew, OfCells, Order, Orders, Own, Together, begin_averages};
 use super::drive::{Call, Run, drive};
 use super::failure::{Failed, Finding};
 use super::record::{MeshView, Stored};
@@ -163,18 +163,15 @@ where
     }
 
     fn flow_of_slab(&self, cells: Range<usize>) -> Cow<'_, [f64]> {
-        if self.state().past.is_some() {
-            return self.crew.numbers(self.own(), OfCells::Slab, cells);
-        }
-        let layout = self.layout();
-        let state = self.crew.numbers(self.own(), OfCells::State, cells);
-        state.chunks_exact(layout.time_len()).flat_map(|cell| cell.repeat(layout.time_order)).collect()
+        self.own().flow_of_slab(|of| self.crew.numbers(self.own(), of, cells))
     }
 
     fn averages(&self, cells: Range<usize>) -> AverageSums {
-        let [offsets, moments] = [OfCells::AverageOffsets, OfCells::AverageMoments]
-            .map(|of| self.crew.numbers(self.own(), of, cells.clone()).into_owned());
-        self.averages.with_cells(offsets, moments)
+        self.own().averages_in(|of| self.crew.numbers(self.own(), of, cells.clone()))
+    }
+
+    fn together(&self) -> Option<Together<'_>> {
+        self.crew.together(self.own())
     }
 
     fn whole_flow_of_slab(&self) -> Option<Arc<Vec<f64>>> {

@@ -4,6 +4,7 @@ mod draw;
 mod layout;
 mod mesh_view;
 mod step_parts;
+mod together;
 
 pub use mesh_view::MeshView;
 
@@ -14,19 +15,24 @@ use super::cuts::Reached;
 use super::history::columns;
 use super::resume;
 use super::statistics::RunStatistics;
-use crate::crew::OfCells;
+use crate::crew::{OfCells, Together};
 use crate::error::Failure;
 use crate::observer::{Positions, RunState, SlabFlow};
 use crate::session::Session;
 use case::Case;
 use coupled::block::BodyState;
 use layout::{fingerprint, flow_order, layout, metadata};
-use output::{ArrayInParts, ArraySpec, Checkpoint, History, Kept, Metadata, OutputError, ResultFile, SolverState};
+use output::{
+    ArrayInParts, ArraySpec, Checkpoint, History, Kept, Metadata, OutputError, Parts, ResultFile, SolverState,
+};
 use report::REPORT_FILE;
 use std::borrow::Cow;
 use std::ops::Range;
+use std::path::Path;
 use std::sync::Arc;
-use step_parts::StepParts;
+pub use step_parts::StepParts;
+use together::Moment;
+pub use together::write_state;
 
 /// The state of a run at the end of a slab, and within it.
 pub struct Snapshot<'a> {
@@ -42,6 +48,8 @@ pub struct Snapshot<'a> {
     pub structure: Option<StructureSnapshot>,
     /// Sums of the averages over time in some cells.
     pub averages: &'a dyn Fn(Range<usize>) -> AverageSums,
+    /// The ranks that write cells together, if they do.
+    pub together: Option<Together<'a>>,
 }
 
 /// A structure beside a flow at the end of a slab, and within it.
@@ -72,11 +80,13 @@ pub struct Stored<'a> {
     pub state: SolverState,
     /// The parts of it that are made while they are written.
     pub long: Vec<ArrayInParts<'a>>,
+    /// The ranks that write those parts together, if they do.
+    pub together: Option<Together<'a>>,
 }
 
 impl From<SolverState> for Stored<'_> {
     fn from(state: SolverState) -> Self {
-        Stored { state, long: Vec::new() }
+        Stored { state, long: Vec::new(), together: None }
     }
 }
 
@@ -205,14 +215,30 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     /// A file that cannot be written.
     pub fn step(&mut self, snapshot: &Snapshot) -> Result<(), Failure> {
         let _timed = tracing::trace_span!(target: "cost", "output").entered();
+        let together = self.together(&snapshot.together)?;
         let mut step = self.result.append_in_parts(snapshot.time)?;
-        for cells in self.parts.ranges() {
-            self.parts.of_cells(snapshot, cells).add_to(&mut step)?;
+        if let Some(together) = together {
+            let write = |path: &Path| self.parts.write(&Moment::of(snapshot), together, path);
+            step = step.share(self.parts.mesh.cells.len(), write)?;
+        } else {
+            for cells in self.parts.ranges() {
+                self.parts.of_cells(snapshot, cells).add_to(&mut step)?;
+            }
         }
         if let Some(part) = self.parts.of_structure(snapshot) {
             part.add_to(&mut step)?;
         }
         Ok(step.finish()?)
+    }
+
+    /// The ranks that write the result `together`, if they can. The others receive its path as a text.
+    fn together<'b, 'c>(&mut self, together: &'c Option<Together<'b>>) -> Result<Option<&'c Together<'b>>, Failure> {
+        match together {
+            Some(together) if self.result.path().to_str().is_some() && self.result.can_be_shared()? => {
+                Ok(Some(together))
+            }
+            _ => Ok(None),
+        }
     }
 
     /// Appends the `values` at a `time` to a series of the result.
@@ -236,12 +262,15 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     /// A file that cannot be written.
     pub fn checkpoint(&mut self, stored: Stored<'_>, statistics: &RunStatistics) -> Result<(), Failure> {
         let _timed = tracing::trace_span!(target: "cost", "output").entered();
-        let Stored { mut state, long } = stored;
+        let Stored { mut state, mut long, together } = stored;
         state.arrays.extend(statistics.to_arrays());
         state.arrays.insert(HISTORY.into(), self.history.rows().to_vec().into());
         state.texts.insert(COLUMNS.into(), output::header(&self.told.columns));
         self.slabs_since_checkpoint = 0;
-        Ok(self.result.checkpoint_with(&state, long)?)
+        let case = self.case();
+        let Some(together) = self.together(&together)? else { return Ok(self.result.checkpoint_with(&state, long)?) };
+        long.iter_mut().for_each(|array| array.parts = Parts::OfAllRanks);
+        self.result.checkpoint_together(&state, long, |path| write_state::<D, M>(case, together, path))
     }
 }
 

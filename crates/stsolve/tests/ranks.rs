@@ -7,9 +7,10 @@ mod several_ranks;
 
 use case::AnyCase;
 use common::{assert_same_bits, number, shipped, summary};
-use ranks::Threads;
-use several_ranks::{assert_same_bits_on, attempt, changes, run};
+use ranks::{FileSharing, Threads};
+use several_ranks::{assert_same_bits_on, attempt, attempt_with, changes, run};
 use simulation::{Existing, Failure};
+use std::collections::BTreeMap;
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -34,6 +35,60 @@ fn a_moving_vortex_has_the_same_bits_on_any_number_of_ranks() {
     let error = |summary: &serde_json::Value| number(summary, "error.density_l2");
     let (four, one) = (error(&blocks), error(&summary(&directory)));
     assert!((four / one - 1.0).abs() < 1e-3, "{four} {one}");
+}
+
+/// Two runs have left the same checkpoint, history and arrays of the result.
+fn assert_same_result(one: &Path, other: &Path, what: &str) {
+    assert_same_bits(one, other, what);
+    let (one, other) = (arrays(one), arrays(other));
+    assert!(one.len() > 20 && one.keys().eq(other.keys()), "{what}: {:?}, {:?}", one.keys(), other.keys());
+    one.iter().for_each(|(name, values)| assert!(*values == other[name], "{what}: `{name}` differs"));
+}
+
+/// Every array of the result in a directory: its shape, and its bits as real numbers.
+fn arrays(directory: &Path) -> BTreeMap<String, (Vec<usize>, Vec<u64>)> {
+    fn collect(group: &hdf5::Group, found: &mut BTreeMap<String, (Vec<usize>, Vec<u64>)>) {
+        for dataset in group.datasets().unwrap() {
+            let values: Result<Vec<f64>, _> = dataset.read_raw();
+            let bits = values.map_or_else(|_| Vec::new(), |values| values.into_iter().map(f64::to_bits).collect());
+            found.insert(dataset.name(), (dataset.shape(), bits));
+        }
+        group.groups().unwrap().iter().for_each(|child| collect(child, found));
+    }
+    let mut found = BTreeMap::new();
+    collect(&hdf5::File::open(directory.join(output::RESULT_FILE)).unwrap(), &mut found);
+    found
+}
+
+/// A result that all ranks write together has the bits of that of one rank: fields, averages, a structure beside the flow, a steady start, states. So it
+/// has after it was resumed on other ranks, with and without files of all ranks.
+#[test]
+fn ranks_that_write_together_leave_the_same_files() {
+    let averages = ["output.averages.from=0.02", "output.checkpoint_every=1", "output.every=1"];
+    let foil = [&["flow.order=3", "time.end=0.2", "parallel.blocks=5"], &averages[..]].concat();
+    let flap = [&["mesh.order=3", "flow.order=3", "time.end=0.08", "parallel.blocks=5"], &averages[..]].concat();
+    let wing = ["mesh.generate.ellipsoid.cells=[4,2,4,4]", "flow.order=2", "time.end=0.2", "parallel.blocks=5"];
+    let cases = [
+        ("naca0012_heave", &foil[..], "time.end=0.1"),
+        ("perpendicular_flap", &flap, "time.end=0.04"),
+        ("flapping_wing_3d", &wing, "time.end=0.1"),
+    ];
+    for (case, set, half) in cases {
+        let (directory, set) = (TempDir::new().unwrap(), changes(set));
+        let at = |name: &str| directory.path().join(name);
+        run(1, 1, case, &set, &at("alone"), Existing::Keep);
+        let together = |ranks, changes: &[String], existing| {
+            attempt_with(Some(FileSharing::Threads), (ranks, 1), case, changes, (&at("together"), existing)).unwrap();
+        };
+        let half = [&set[..], &changes(&[half])].concat();
+        together(3, &half, Existing::Keep);
+        together(2, &set, Existing::Resume);
+        assert_same_result(&at("alone"), &at("together"), &format!("{case}: written together"));
+        run(2, 1, case, &half, &at("by_turns"), Existing::Keep);
+        let by_turns = (at("by_turns"), Existing::Resume);
+        attempt_with(Some(FileSharing::Threads), (5, 1), case, &set, (&by_turns.0, by_turns.1)).unwrap();
+        assert_same_result(&at("alone"), &at("by_turns"), &format!("{case}: written by turns"));
+    }
 }
 
 /// Eight ranks, each with a block of some cells, most of them at cuts; stages from the fewest to the exact order of elimination.

@@ -178,13 +178,36 @@ impl Share {
             return Vec::new();
         }
         let of_ranks = self.receive_numbers(own, len, cells);
+        self.in_order(&of_ranks, len, cells.iter().copied())
+    }
+
+    /// The `len` numbers of each of the `cells`, from the numbers of every rank in the order of its cells.
+    fn in_order(&self, of_ranks: &[Vec<f64>], len: usize, cells: impl Iterator<Item = usize>) -> Vec<f64> {
         let mut ends = vec![0; of_ranks.len()];
-        let mut next = |&cell: &usize| {
+        let mut next = |cell: usize| {
             let rank = self.rank_of_cell[cell] as usize;
             ends[rank] += len;
             &of_ranks[rank][ends[rank] - len..ends[rank]]
         };
-        cells.iter().flat_map(|cell| next(cell).iter().copied()).collect()
+        cells.flat_map(|cell| next(cell).iter().copied()).collect()
+    }
+
+    /// On every rank the numbers of a range of cells of the whole mesh: `ranges` has that of each rank. `of_own` has equally many numbers for every
+    /// own cell. A collective call with the same ranges.
+    pub fn deal(&self, of_own: &[f64], ranges: &[Range<usize>]) -> Vec<f64> {
+        let (len, communicator) = (of_own.len() / self.own.len().max(1), self.sums.communicator());
+        let sent: Vec<Vec<f64>> = ranges.iter().map(|range| numbers_of(self.own_within(range), of_own, len)).collect();
+        let cells = ranges[communicator.rank()].clone();
+        let mut of_ranks = vec![Vec::new(); ranges.len()];
+        cells.clone().for_each(|cell| of_ranks[self.rank_of_cell[cell] as usize].extend(vec![0.0; len]));
+        let mut sends: Vec<(usize, &[f64])> =
+            sent.iter().enumerate().map(|(rank, numbers)| (rank, &numbers[..])).collect();
+        let mut receives: Vec<(usize, &mut [f64])> =
+            of_ranks.iter_mut().enumerate().map(|(rank, numbers)| (rank, &mut numbers[..])).collect();
+        sends.retain(|(_, numbers)| !numbers.is_empty());
+        receives.retain(|(_, numbers)| !numbers.is_empty());
+        communicator.exchange(&sends, &mut receives);
+        self.in_order(&of_ranks, len, cells)
     }
 
     /// `own`, and `len` numbers for each of the `cells` of all other ranks, rank by rank.

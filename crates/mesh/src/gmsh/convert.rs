@@ -145,7 +145,9 @@ fn pairs<const D: usize>(
         found.ok_or_else(|| GmshError::NoBoundary { name: name.clone(), known: known() })
     };
     let corners = |boundary: usize| -> Vec<[f64; D]> {
-        boundaries[boundary].1.iter().flat_map(|&side| cells.face(side)).map(|(_, x)| x).collect()
+        let once: BTreeMap<usize, [f64; D]> =
+            boundaries[boundary].1.iter().flat_map(|&side| cells.face(side)).collect();
+        once.into_values().collect()
     };
     let pair = |(minus, plus): &(String, String)| {
         let (minus, plus) = (number(minus)?, number(plus)?);

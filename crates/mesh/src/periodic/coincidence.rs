@@ -13,7 +13,7 @@ pub(crate) const TOLERANCE: f64 = 1e-9;
 const EDGE_FRACTION: f64 = 0.25;
 
 /// The distances of the nodes of two faces may differ by this times their shortest edge: then the faces have the same shape. The translation,
-/// a mean over all faces, may be less exact than thin faces are.
+/// a median over all vertices, may be less exact than thin faces are.
 const SHAPE_FRACTION: f64 = 1e-4;
 
 /// No tolerance is below this many units in the last place of the largest coordinate.

@@ -197,7 +197,7 @@ fn thin(height: f64, error: f64) -> Result<Mesh<2>, MeshError> {
 /// The tolerance was that of the diameter of the mesh alone, as large as the cells at a wall.
 #[test]
 fn thin_faces_have_a_tolerance_of_their_own() {
-    // The mean over a file with few digits is less exact than thin faces are.
+    // The translation between the sides of a file with few digits is less exact than thin faces are.
     assert!(thin(1e-6, 0.0).is_ok() && thin(1e-6, 1e-8).is_ok());
     for (height, largest) in [(1.4e-6, 0.25e-6), (1.1e-6, 1e-10)] {
         let error = thin(height, 0.0).unwrap_err();

@@ -5,11 +5,13 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
+use std::sync::Arc;
 
 use output::{
-    ArraySpec, FieldSpec, FileLayout, Grid, Metadata, OutputError, RestMesh, ResultFile, RunDirectory, SolverState,
-    Step,
+    ArraySpec, FieldSpec, FileLayout, Grid, Metadata, OutputError, RestMesh, ResultFile, RunDirectory, SharedFile,
+    SolverState, Step,
 };
+use ranks::{Communicator, FileSharing, Threads};
 
 pub const CASE: &str = "0123456789abcdef";
 
@@ -63,30 +65,61 @@ pub fn state(slab: u64) -> SolverState {
 }
 
 pub fn append(result: &mut ResultFile, slab: u64) {
-    let layout = layout();
-    let points = layout.grid.points();
-    let (x, density, velocity) = (noise(slab, 3 * points), noise(slab + 100, points), noise(slab + 200, 3 * points));
-    let flow = noise(slab + 300, layout.exact[0].len());
-    let fields: [(&str, &[f64]); 2] = [("density", &density), ("velocity", &velocity)];
-    result.append(&Step { time: slab as f64, points: &x, fields: &fields, exact: &[("flow", &flow)] }).unwrap();
+    write_cells(slab, &(0..layout().grid.cells), |step| result.append(step)).unwrap();
+}
+
+/// Points, density, velocity and flow of the step of [`append`].
+fn arrays(slab: u64) -> [Vec<f64>; 4] {
+    let (points, of_flow) = (layout().grid.points(), layout().exact[0].len());
+    let seeds = [(slab, 3 * points), (slab + 100, points), (slab + 200, 3 * points), (slab + 300, of_flow)];
+    seeds.map(|(seed, count)| noise(seed, count))
+}
+
+/// Passes some `cells` of the step of [`append`] to `write`.
+fn write_cells(
+    slab: u64,
+    cells: &Range<usize>,
+    write: impl FnOnce(&Step) -> Result<(), OutputError>,
+) -> Result<(), OutputError> {
+    let arrays = arrays(slab);
+    let [x, density, velocity, flow] = arrays.each_ref().map(|values| {
+        let len = values.len() / layout().grid.cells;
+        &values[cells.start * len..cells.end * len]
+    });
+    let fields: [(&str, &[f64]); 2] = [("density", density), ("velocity", velocity)];
+    write(&Step { time: slab as f64, points: x, fields: &fields, exact: &[("flow", flow)] })
 }
 
 /// The step of [`append`], in parts of these cells.
 pub fn append_in_parts(result: &mut ResultFile, slab: u64, parts: &[Range<usize>]) -> Result<(), OutputError> {
-    let layout = layout();
-    let (points, of_flow) = (layout.grid.points(), layout.exact[0].len());
-    let arrays = [(slab, 3 * points), (slab + 100, points), (slab + 200, 3 * points), (slab + 300, of_flow)];
-    let arrays = arrays.map(|(seed, count)| noise(seed, count));
     let mut step = result.append_in_parts(slab as f64)?;
-    for cells in parts {
-        let [x, density, velocity, flow] = arrays.each_ref().map(|values| {
-            let len = values.len() / layout.grid.cells;
-            &values[cells.start * len..cells.end * len]
-        });
-        let fields: [(&str, &[f64]); 2] = [("density", density), ("velocity", velocity)];
-        step.add(&Step { time: slab as f64, points: x, fields: &fields, exact: &[("flow", flow)] })?;
-    }
+    parts.iter().try_for_each(|cells| write_cells(slab, cells, |part| step.add(part)))?;
     step.finish()
+}
+
+/// The step of [`append`], in parts of these cells, each by a rank of its own.
+pub fn append_together(result: &mut ResultFile, slab: u64, parts: &[Range<usize>]) -> Result<(), OutputError> {
+    let write = |path: &Path| {
+        together(path, parts.len(), |rank, file| {
+            write_cells(slab, &parts[rank], |part| file.write_cells(parts[rank].start, part))
+        })
+    };
+    result.append_in_parts(slab as f64)?.share(layout().grid.cells, write)?.finish()
+}
+
+/// Has each of so many ranks write to a file.
+pub fn together(
+    path: &Path,
+    ranks: usize,
+    write: impl Fn(usize, &SharedFile) -> Result<(), OutputError> + Sync,
+) -> Result<(), OutputError> {
+    let of_rank = |communicator: Arc<dyn Communicator>| {
+        let file = SharedFile::open(path, layout(), FileSharing::Threads)?;
+        // All have opened it.
+        communicator.all_gather(&[]);
+        write(communicator.rank(), &file).and(file.close())
+    };
+    Threads::run(ranks, of_rank).into_iter().collect()
 }
 
 /// Runs slabs `from`..`to` with a checkpoint after every `interval` slabs, resuming if `from` is not 0.

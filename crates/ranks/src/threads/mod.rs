@@ -4,7 +4,7 @@ mod post_office;
 #[cfg(test)]
 mod tests;
 
-use crate::Communicator;
+use crate::{Communicator, FileSharing};
 use post_office::{Message, PostOffice};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -19,6 +19,7 @@ const STACK: usize = 8 << 20;
 /// The ranks share the pool of rayon. A rank must not call the communicator from a thread of that pool.
 pub struct Threads {
     rank: usize,
+    sharing: Option<FileSharing>,
     post_office: Arc<PostOffice>,
 }
 
@@ -30,10 +31,23 @@ impl Threads {
     /// When a rank panics, the other ranks panic in their next call that needs an answer, and this function goes on with the first panic.
     /// Ranks that wait for each other and for nothing else panic, too.
     pub fn run<T: Send>(size: usize, work: impl Fn(Arc<dyn Communicator>) -> T + Sync) -> Vec<T> {
+        Self::run_with(None, size, work)
+    }
+
+    /// [`Self::run`], with files that are written as `sharing` tells.
+    ///
+    /// # Panics
+    ///
+    /// As [`Self::run`].
+    pub fn run_with<T: Send>(
+        sharing: Option<FileSharing>,
+        size: usize,
+        work: impl Fn(Arc<dyn Communicator>) -> T + Sync,
+    ) -> Vec<T> {
         let post_office = Arc::new(PostOffice::new(size));
         let outcomes: Vec<_> = scope(|scope| {
             let start = |rank| {
-                let (threads, work) = (Threads { rank, post_office: Arc::clone(&post_office) }, &work);
+                let (threads, work) = (Threads { rank, sharing, post_office: Arc::clone(&post_office) }, &work);
                 let thread = Builder::new().name(format!("rank {rank}")).stack_size(STACK);
                 thread.spawn_scoped(scope, move || threads.work(work)).expect("the system starts no more threads")
             };
@@ -114,6 +128,10 @@ impl Communicator for Threads {
 
     fn abort(&self, code: i32) -> ! {
         panic!("rank {} ends all ranks with code {code}", self.rank)
+    }
+
+    fn file_sharing(&self) -> Option<FileSharing> {
+        self.sharing
     }
 }
 

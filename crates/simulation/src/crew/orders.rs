@@ -27,13 +27,17 @@ pub enum Order {
     AddUp,
     /// Send the errors of each of their cells.
     Measure,
+    /// Write their cells of a step to a file.
+    WriteStep,
+    /// Write their cells of a state to a file.
+    WriteState,
     /// Tell their largest memory.
     TellMemory,
     /// End.
     Finish,
 }
 
-const ORDERS: [Order; 12] = [
+const ORDERS: [Order; 14] = [
     Order::Build,
     Order::Restore,
     Order::SearchSteadyFlow,
@@ -44,6 +48,8 @@ const ORDERS: [Order; 12] = [
     Order::BeginAverages,
     Order::AddUp,
     Order::Measure,
+    Order::WriteStep,
+    Order::WriteState,
     Order::TellMemory,
     Order::Finish,
 ];
@@ -86,7 +92,8 @@ pub(super) fn receive(communicator: &dyn Communicator) -> (Order, Vec<u8>) {
     (ORDERS.get(number).copied().unwrap_or(Order::Finish), bytes.split_off(1.min(bytes.len())))
 }
 
-/// A state as bytes: integers, then arrays, each as the length of its name, its name, its length and its numbers.
+/// A state as bytes: integers and texts, each with their number first, then arrays, each as its name, its length and its numbers. Names and texts
+/// have their length first.
 fn encode(state: &SolverState) -> Vec<u8> {
     let mut bytes = (state.integers.len() as u64).to_le_bytes().to_vec();
     let name = |bytes: &mut Vec<u8>, name: &str| {
@@ -96,6 +103,11 @@ fn encode(state: &SolverState) -> Vec<u8> {
     for (key, value) in &state.integers {
         name(&mut bytes, key);
         bytes.extend(value.to_le_bytes());
+    }
+    bytes.extend((state.texts.len() as u64).to_le_bytes());
+    for (key, text) in &state.texts {
+        name(&mut bytes, key);
+        name(&mut bytes, text);
     }
     for (key, values) in &state.arrays {
         name(&mut bytes, key);
@@ -113,6 +125,11 @@ pub(super) fn decode(bytes: &[u8]) -> SolverState {
         let Some(key) = name(&mut rest) else { break };
         let value = number(&mut rest).map_or(0, i64::from_le_bytes);
         state.integers.insert(key, value);
+    }
+    let texts = number(&mut rest).map_or(0, u64::from_le_bytes);
+    for _ in 0..texts {
+        let (Some(key), Some(text)) = (name(&mut rest), name(&mut rest)) else { break };
+        state.texts.insert(key, text);
     }
     while let Some(key) = name(&mut rest) {
         let length = number(&mut rest).map_or(0, u64::from_le_bytes);
@@ -143,10 +160,11 @@ mod tests {
     fn a_state_goes_through_bytes() {
         let mut state = SolverState::default();
         state.integers.extend([("slab".to_owned(), 7), ("stale".to_owned(), -1)]);
+        state.texts.extend([("path".to_owned(), "runs/größer".to_owned()), ("none".to_owned(), String::new())]);
         state
             .arrays
             .extend([("flow".to_owned(), vec![0.1, -0.0, 1e300].into()), ("empty".to_owned(), Vec::new().into())]);
         let again = decode(&encode(&state));
-        assert_eq!((again.integers, again.arrays), (state.integers, state.arrays));
+        assert_eq!(again, state);
     }
 }

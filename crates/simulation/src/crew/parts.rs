@@ -6,6 +6,7 @@ use coupled::preconditioner::Ordering;
 use coupled::{FlowMarch, Linearisation, Past, State};
 use fem::Share;
 use output::{Checkpoint, SolverState};
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -72,6 +73,38 @@ impl OfCells {
             OfCells::AverageOffsets => &averages.offsets,
             OfCells::AverageMoments => &averages.moments,
         }
+    }
+}
+
+impl<'a, const D: usize, const M: usize> Own<'a, D, M> {
+    /// The arrays with numbers of cells that a checkpoint has besides the state that all ranks have: averages, and all others where there are several
+    /// blocks. The same on all ranks.
+    pub(super) fn long_arrays(self) -> impl Iterator<Item = (OfCells, &'static str)> {
+        let (whole, march) = (self.march.solver.system.flow.operator.share.is_whole(), self.march);
+        let is_long = move |(of, _): &(OfCells, &str)| match of {
+            OfCells::State | OfCells::Determinants => !whole,
+            OfCells::Slab => !whole && march.state.past.is_some(),
+            OfCells::Linearised => !whole && march.solver.system.flow.preconditioner.frozen().is_some(),
+            OfCells::AverageOffsets | OfCells::AverageMoments => !self.averages.is_empty(),
+        };
+        OfCells::ALL.into_iter().filter(is_long)
+    }
+
+    /// The flow of the last slab in some cells, `[cell][time node][component][node]`, from the `numbers` there; at the start the initial state at
+    /// every time node.
+    pub fn flow_of_slab<'b>(self, numbers: impl FnOnce(OfCells) -> Cow<'b, [f64]>) -> Cow<'b, [f64]> {
+        if self.march.state.past.is_some() {
+            return numbers(OfCells::Slab);
+        }
+        let layout = self.march.solver.system.flow.operator.layout;
+        let state = numbers(OfCells::State);
+        state.chunks_exact(layout.time_len()).flat_map(|cell| cell.repeat(layout.time_order)).collect()
+    }
+
+    /// The averages in some cells, from the `numbers` there.
+    pub fn averages_in<'b>(self, numbers: impl Fn(OfCells) -> Cow<'b, [f64]>) -> AverageSums {
+        let [offsets, moments] = [OfCells::AverageOffsets, OfCells::AverageMoments].map(|of| numbers(of).into_owned());
+        self.averages.with_cells(offsets, moments)
     }
 }
 

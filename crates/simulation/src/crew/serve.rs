@@ -2,8 +2,10 @@
 
 use super::orders::{self, Order};
 use super::parts::{self, Own};
+use super::together::{Together, path_of};
 use super::{add_up, advance, begin_averages, march, peak_memories, stored};
 use crate::averages::{AverageSums, add_slab};
+use crate::record::{StepParts, write_state};
 use crate::steady_search::find;
 use crate::{controls, errors, integrals};
 use case::{AnyCase, Case, State};
@@ -33,6 +35,7 @@ where
     let mut flow = Cow::Borrowed(flow);
     let mut own: Option<FlowMarch<D, M>> = None;
     let mut averages = AverageSums::default();
+    let mut step_parts = None;
     loop {
         let (order, state) = orders::receive(&**communicator);
         match (order, &mut own) {
@@ -64,6 +67,18 @@ where
             (Order::Integrate, Some(march)) => drop(integrals::of_run(case, &flow, march)),
             (Order::AddUp, Some(march)) => drop(add_up(march)),
             (Order::Measure, Some(march)) => drop(errors::of_cells(&flow, march)),
+            // An error is that of all ranks.
+            (Order::WriteStep, Some(march)) => {
+                let (own, path) = (Own { march, averages: &averages }, path_of(&orders::decode(&state)));
+                let parts = step_parts.get_or_insert_with(|| StepParts::of_march(case, march));
+                let together = Together::new(own, &**communicator, None);
+                together.iter().for_each(|together| drop(parts.write_own(march, together, &path)));
+            }
+            (Order::WriteState, Some(march)) => {
+                let (own, path) = (Own { march, averages: &averages }, path_of(&orders::decode(&state)));
+                let together = Together::new(own, &**communicator, None);
+                together.iter().for_each(|together| drop(write_state::<D, M>(case, together, &path)));
+            }
             (Order::TellMemory, _) => drop(peak_memories(&**communicator)),
             (_, None) => {}
         }

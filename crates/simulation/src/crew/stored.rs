@@ -10,7 +10,7 @@ use case::{Case, Flow, State};
 use coupled::{FlowMarch, Linearisation};
 use fem::{Share, StateField};
 use navier_stokes::{Compiled, Exact, Manufactured, NavierStokes};
-use output::{ArrayInParts, Checkpoint, SolverState};
+use output::{ArrayInParts, Checkpoint, Parts, SolverState};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
@@ -72,16 +72,10 @@ impl Crew {
         let array = |(of, name): (OfCells, &'static str)| {
             let len = of.own(own).len() / share.own.len();
             let part = move |cells: Range<usize>| self.numbers(own, of, cells).into_owned();
-            let parts = Box::new(cells::ranges(share.whole_cells(), len).map(part));
+            let parts = Parts::InOrder(Box::new(cells::ranges(share.whole_cells(), len).map(part)));
             ArrayInParts { name: name.to_owned(), len: len * share.whole_cells(), parts }
         };
-        let is_long = |(of, _): &(OfCells, &str)| match of {
-            OfCells::State | OfCells::Determinants => !share.is_whole(),
-            OfCells::Slab => !share.is_whole() && march.state.past.is_some(),
-            OfCells::Linearised => !share.is_whole() && preconditioner.frozen().is_some(),
-            OfCells::AverageOffsets | OfCells::AverageMoments => !own.averages.is_empty(),
-        };
-        Stored { state, long: OfCells::ALL.into_iter().filter(is_long).map(array).collect() }
+        Stored { state, long: own.long_arrays().map(array).collect(), together: self.together(own) }
     }
 
     /// The state to store without the numbers of cells.

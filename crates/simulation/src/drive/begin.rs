@@ -98,7 +98,8 @@ pub(super) fn begin<const D: usize, const M: usize>(
     let (time, displacement) = (run.state().time, &run.state().d[..]);
     let structure = StructureSnapshot::new(recorder.case(), run.state());
     let averages = &|cells| run.averages(cells);
-    recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow, structure, averages })?;
+    let together = run.together();
+    recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow, structure, averages, together })?;
     if let Some(row) = row {
         recorder.history.push(&[row, controls::values(recorder.case())].concat())?;
         // The steady flow that the run begins with has distributions along walls; another initial state has none worth keeping.

@@ -2,6 +2,7 @@
 
 use crate::averages::AverageSums;
 use crate::context::{RunContext, Stop};
+use crate::crew::Together;
 use crate::error::Failure;
 use crate::failure::Finding;
 use crate::record::Stored;
@@ -47,6 +48,10 @@ pub(crate) trait Run {
     /// The sums of averages in some `cells`.
     fn averages(&self, _cells: Range<usize>) -> AverageSums {
         AverageSums::default()
+    }
+    /// The ranks that write files together, if they do.
+    fn together(&self) -> Option<Together<'_>> {
+        None
     }
     /// The flow of the last slab in all cells, if there is a flow.
     fn whole_flow_of_slab(&self) -> Option<Arc<Vec<f64>>> {

@@ -66,7 +66,8 @@ fn finish_slab<const D: usize, const M: usize, R: Run>(
     {
         let structure = StructureSnapshot::new(case, run.state());
         let (averages, flow) = (&|cells| run.averages(cells), &|cells| run.flow_of_slab(cells));
-        recorder.step(&Snapshot { time: *time, displacement, velocities, flow, structure, averages })?;
+        let together = run.together();
+        recorder.step(&Snapshot { time: *time, displacement, velocities, flow, structure, averages, together })?;
     }
     if case.output.surfaces_every.is_some_and(|every| slab.is_multiple_of(every)) || run.is_done() {
         append_surfaces(run, recorder)?;

@@ -14,7 +14,7 @@ use case::{Case, Flow, State};
 use coupled::{
     FlowMarch, Interval, MarchError, MeshMover, RELATIVE_DETERMINANT, ResidualBreakdown, SlabError, SteadyError,
 };
-use elasticity::{ElasticityError, Inversion};
+use elasticity::{ElasticityError, VOLUME_RATIO};
 use navier_stokes::ExactState;
 use newton_krylov::newton;
 use newton_krylov::problem::Inadmissible;
@@ -103,8 +103,7 @@ where
         let dt = self.interval.end - self.interval.start;
         let bodies = of_bodies::measure(self.case, self.flow, grid, self.state, dt)?;
         let unheld = if is_released { unheld(self.case) } else { None };
-        let of_structure = Inadmissible::from(Inversion { cell: 0, volume_ratio: 0.0 });
-        Some(Bodies { unheld, inverted: self.inadmissible(&of_structure.quantity), ..bodies })
+        Some(Bodies { unheld, inverted: self.inadmissible(VOLUME_RATIO), ..bodies })
     }
 
     /// The value of `quantity` in the state without a residual at which the solve ended, if it was that.

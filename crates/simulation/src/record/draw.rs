@@ -12,8 +12,6 @@ use std::ops::Range;
 #[derive(Clone, Copy)]
 struct Moving<'a, const D: usize> {
     mesh: &'a MeshView<D>,
-    /// det J at rest, cell by cell.
-    determinants: &'a [Vec<f64>],
     displacement: &'a [f64],
     velocity: &'a [f64],
     /// What fills it, if that is no gas.
@@ -43,8 +41,8 @@ impl<'a, const D: usize, const M: usize> StepParts<'a, D, M> {
     pub(super) fn draw(&self, snapshot: &Snapshot, cells: Range<usize>, flow: &[f64]) -> (Vec<f64>, Named) {
         let Snapshot { time, displacement, velocities, .. } = *snapshot;
         let solid = self.solid.as_ref().filter(|_| self.case.flow.is_none());
-        let (determinants, velocity) = (&self.reference_determinants[..], top(velocities, displacement));
-        let moving = Moving { mesh: &self.mesh, determinants, displacement, velocity, solid, time };
+        let velocity = top(velocities, displacement);
+        let moving = Moving { mesh: &self.mesh, displacement, velocity, solid, time };
         let mut drawn = self.blank();
         for (place, cell) in cells.enumerate() {
             self.draw_cell(&moving, cell, self.top_state(place, flow), &mut drawn);
@@ -60,9 +58,8 @@ impl<'a, const D: usize, const M: usize> StepParts<'a, D, M> {
         structure: &StructureSnapshot,
     ) -> (Vec<f64>, Named) {
         let (displacement, solid) = (&structure.displacement[..], self.solid.as_ref());
-        let (determinants, velocity) =
-            (&self.reference_determinants[self.mesh.cells.len()..], top(&structure.velocities, displacement));
-        let moving = Moving { mesh, determinants, displacement, velocity, solid, time };
+        let velocity = top(&structure.velocities, displacement);
+        let moving = Moving { mesh, displacement, velocity, solid, time };
         let mut drawn = self.blank();
         (0..mesh.cells.len()).for_each(|cell| self.draw_cell(&moving, cell, &[], &mut drawn));
         (drawn.points, drawn.fields)
@@ -70,13 +67,13 @@ impl<'a, const D: usize, const M: usize> StepParts<'a, D, M> {
 
     /// Adds a cell. A cell without a flow has no `coefficients`.
     fn draw_cell(&self, moving: &Moving<'_, D>, cell: usize, coefficients: &[f64], drawn: &mut Drawn) {
-        let Moving { mesh, determinants, displacement, velocity, solid, time } = *moving;
+        let Moving { mesh, displacement, velocity, solid, time } = *moving;
         let (rest, nodal, n) = (&mesh.positions[cell], mesh.displaced(cell, displacement), self.sampler.points());
         let x = self.sampler.positions(&nodal);
         drawn
             .points
             .extend((0..n).flat_map(|p| std::array::from_fn::<f64, 3, _>(|d| if d < D { x[d * n + p] } else { 0.0 })));
-        let jacobian = self.sampler.determinants(&nodal).into_iter().zip(&determinants[cell]);
+        let jacobian = self.sampler.determinants(&nodal).into_iter().zip(self.sampler.determinants(rest));
         let jacobian: Vec<f64> = jacobian.map(|(j, j0)| j / j0).collect();
         let gradients = match coefficients.is_empty() {
             true => Vec::new(),

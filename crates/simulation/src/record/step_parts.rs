@@ -11,13 +11,13 @@ use case::{Case, SolidPart};
 use elasticity::Solid;
 use fem::Sampler;
 use mesh::NodeNumbering;
-use output::{OutputError, Step, StepInParts};
+use output::{OutputError, SharedFile, Step, StepInParts};
 use report::fields;
 use std::ops::Range;
 use std::sync::Arc;
 
 /// What makes the parts.
-pub(super) struct StepParts<'a, const D: usize, const M: usize> {
+pub struct StepParts<'a, const D: usize, const M: usize> {
     pub(super) case: &'a Case<D>,
     pub(super) mesh: Arc<MeshView<D>>,
     /// The mesh of a structure beside the flow.
@@ -27,8 +27,6 @@ pub(super) struct StepParts<'a, const D: usize, const M: usize> {
     pub(super) sampler: Sampler<D>,
     /// For fields of the order of the mesh.
     pub(super) mesh_sampler: Sampler<D>,
-    /// det J at rest in every cell of the mesh, and then of the structure beside the flow.
-    pub(super) reference_determinants: Vec<Vec<f64>>,
 }
 
 /// Names and values.
@@ -50,31 +48,51 @@ impl StepPart {
     /// # Errors
     /// As [`StepInParts::add`].
     pub(super) fn add_to(&self, step: &mut StepInParts) -> Result<(), OutputError> {
+        self.pass_to(|part| step.add(part))
+    }
+
+    /// Writes it to a `file` of all ranks, from the cell `first` on.
+    ///
+    /// # Errors
+    /// As [`SharedFile::write_cells`].
+    pub(super) fn write_to(&self, file: &SharedFile, first: usize) -> Result<(), OutputError> {
+        self.pass_to(|part| file.write_cells(first, part))
+    }
+
+    fn pass_to(&self, write: impl FnOnce(&Step) -> Result<(), OutputError>) -> Result<(), OutputError> {
         let fields: Vec<(&str, &[f64])> = self.fields.iter().map(|(name, values)| (&name[..], &values[..])).collect();
         let exact: Vec<(&str, &[f64])> = self.exact.iter().map(|(name, values)| (&name[..], &values[..])).collect();
-        step.add(&Step { time: self.time, points: &self.points, fields: &fields, exact: &exact })
+        write(&Step { time: self.time, points: &self.points, fields: &fields, exact: &exact })
     }
 }
 
 impl<'a, const D: usize, const M: usize> StepParts<'a, D, M> {
     /// Of the steps of a run of `case` on `mesh`.
-    pub(super) fn new(case: &'a Case<D>, mesh: Arc<MeshView<D>>) -> Self {
+    pub fn new(case: &'a Case<D>, mesh: Arc<MeshView<D>>) -> Self {
         let (sampler, n) = fields::equidistant::<D>(flow_order(case), case.mesh.order());
         let mesh_sampler = Sampler::new(case.mesh.order(), case.mesh.order(), &basis::equidistant_points(n));
         let beside =
             |part: &SolidPart<D>| MeshView::new(&part.mesh, &NodeNumbering::new(&part.mesh, part.mesh.order()));
         let beside = beside_flow(case).map(|(_, part)| beside(part));
-        let rest = mesh.positions.iter().chain(beside.iter().flat_map(|beside| &beside.positions));
-        let reference_determinants = rest.map(|nodes| sampler.determinants(nodes)).collect();
         let solid = case.structure.as_ref().map(solid);
-        StepParts { case, mesh, beside, solid, sampler, mesh_sampler, reference_determinants }
+        StepParts { case, mesh, beside, solid, sampler, mesh_sampler }
     }
 
     /// The ranges of cells that make a part each.
     pub(super) fn ranges(&self) -> impl Iterator<Item = Range<usize>> + use<D, M> {
+        cells::ranges(self.mesh.cells.len(), self.cell_len())
+    }
+
+    /// The same in rounds of so many `ranks`.
+    pub(super) fn rounds(&self, ranks: usize) -> impl Iterator<Item = Vec<Range<usize>>> + use<D, M> {
+        cells::rounds(self.mesh.cells.len(), self.cell_len(), ranks)
+    }
+
+    /// As many numbers a cell has at most in one array.
+    fn cell_len(&self) -> usize {
         let nodes = flow_order(self.case).pow(D as u32);
         let of_averages = self.case.averages.as_ref().map_or(0, |wanted| AverageSums::cell_len::<D>(wanted, nodes));
-        cells::ranges(self.mesh.cells.len(), flow_layout::<D, M>(self.case).cell_len().max(of_averages))
+        flow_layout::<D, M>(self.case).cell_len().max(of_averages)
     }
 
     /// The part of some `cells` of the mesh.

@@ -4,20 +4,31 @@
 
 use crate::common::{assert_same_bits, shipped};
 use case::AnyCase;
-use ranks::Threads;
+use ranks::{FileSharing, Threads};
 use simulation::{Destination, Existing, Failure};
 use std::path::Path;
 use tempfile::TempDir;
 
-/// Runs a shipped case on so many ranks of so many threads each; returns what rank 0 ends with. Every rank has threads of its own: one that
-/// waits for a message must not keep another from its work.
+/// Runs a shipped case on so many ranks of so many threads each; returns what rank 0 ends with.
 pub fn attempt(
+    numbers: (usize, usize),
+    case: &str,
+    changes: &[String],
+    destination: (&Path, Existing),
+) -> Result<(), Failure> {
+    attempt_with(None, numbers, case, changes, destination)
+}
+
+/// The same with files that are written as `sharing` tells. Every rank has threads of its own: one that waits for a message must not keep another
+/// from its work.
+pub fn attempt_with(
+    sharing: Option<FileSharing>,
     (ranks, threads): (usize, usize),
     case: &str,
     changes: &[String],
     (directory, existing): (&Path, Existing),
 ) -> Result<(), Failure> {
-    let results = Threads::run(ranks, |communicator| {
+    let results = Threads::run_with(sharing, ranks, |communicator| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let case = AnyCase::read(Path::new(&shipped(&format!("{case}.toml"))), changes).unwrap();

@@ -18,11 +18,12 @@ pub(super) fn edges<const D: usize>(file: &File, pairs: &[(String, String)]) -> 
 fn edges_of_pair<const D: usize>(file: &File, minus: &str, plus: &str) -> Vec<[[u64; 2]; 2]> {
     let (minus, plus) = (boundary::<D>(file, minus), boundary::<D>(file, plus));
     let (from, to) = (corners::<D>(file, &minus), corners::<D>(file, &plus));
-    let (start, end) = (mean(&from), mean(&to));
+    let of = |corners: &BTreeMap<u64, [f64; D]>| corners.values().copied().collect::<Vec<[f64; D]>>();
+    let translation = periodic::translation(&of(&from), &of(&to));
     let all: Vec<f64> = from.values().chain(to.values()).flatten().copied().collect();
     let (lower, upper) = bounding_box::<D>(&all);
     let tolerance = periodic::TOLERANCE * norm(&from_fn::<f64, D, _>(|i| upper[i] - lower[i]));
-    let translated = |x: &[f64; D]| from_fn(|i| x[i] + (end[i] - start[i]));
+    let translated = |x: &[f64; D]| from_fn(|i| x[i] + translation[i]);
     let positions = from.values().map(translated).chain(to.values().copied());
     let places: Vec<Place<D>> = positions.map(|position| Place { position, tolerance }).collect();
     let numbers = coincident(&places);
@@ -64,8 +65,4 @@ fn boundary<'a, const D: usize>(file: &'a File, name: &str) -> Vec<&'a Element> 
 fn corners<const D: usize>(file: &File, elements: &[&Element]) -> BTreeMap<u64, [f64; D]> {
     let nodes = elements.iter().flat_map(|element| &element.nodes[..element.kind.shape.corners().len()]);
     nodes.filter_map(|node| Some((*node, point(file.nodes.get(node)?, 0)))).collect()
-}
-
-fn mean<const D: usize>(points: &BTreeMap<u64, [f64; D]>) -> [f64; D] {
-    from_fn(|i| points.values().map(|x| x[i]).sum::<f64>() / points.len() as f64)
 }

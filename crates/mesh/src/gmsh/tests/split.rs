@@ -243,6 +243,18 @@ fn periodic_boundaries_are_cut_alike() {
     assert_eq!([facets_of(&mesh, "left"), facets_of(&mesh, "right")], [3, 3]);
 }
 
+/// The translation was that between the means: no edges coincided, the boundaries were cut in different ways, and the error counted faces.
+#[test]
+fn one_wrong_node_of_a_periodic_boundary_is_named() {
+    let drawing = square(6, |i, j| i % 5 == 0 && j > 1);
+    let moved = |[x, y, z]: [f64; 3]| [x, if x == 1.0 && y == 0.5 { 0.501 } else { y }, z];
+    let file = drawing.file(1, moved).version2(Encoding::Text);
+    let joined = [("left".to_owned(), "right".to_owned())];
+    let error = Mesh::<2>::from_gmsh_with(&file, &joined, Simplices::Split).unwrap_err().to_string();
+    // The middle between the wrong node and the one below.
+    assert!(error.contains("the point [1.0, 0.417") && error.contains("of \"right\" is 5.0000"), "{error}");
+}
+
 #[test]
 fn simplices_are_refused_with_both_remedies() {
     let refused = |drawing: &Drawing| {
