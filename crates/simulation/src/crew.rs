@@ -31,7 +31,7 @@ pub use orders::{Order, Orders};
 pub use parts::{OfCells, Own};
 pub use serve::serve;
 pub use stored::BLOCKS;
-pub use together::Together;
+pub use together::{LongArray, Together};
 
 use super::history::require_distinct_columns;
 use super::memory_estimate::require_memory;

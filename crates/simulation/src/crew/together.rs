@@ -11,18 +11,27 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+/// Deals numbers of cells: every rank has a range of cells, and receives the numbers there. A collective call.
+type Deal<'a, T> = Box<dyn Fn(&[Range<usize>]) -> T + 'a>;
+
 /// The ranks of a run that write files together.
 pub struct Together<'a> {
     communicator: &'a dyn Communicator,
     sharing: FileSharing,
     /// On rank 0.
     orders: Option<&'a Orders>,
-    /// The arrays of a checkpoint that they write, with their names and the numbers of a cell.
-    pub arrays: Vec<(OfCells, &'static str, usize)>,
-    /// The numbers of an array in the cells of a range, of which every rank has one. A collective call.
-    deal: Box<dyn Fn(OfCells, &[Range<usize>]) -> Vec<f64> + 'a>,
-    /// The numbers of a step in the cells of a range, of which every rank has one. A collective call.
-    deal_step: Box<dyn Fn(&[Range<usize>]) -> CellsOfStep + 'a>,
+    /// The arrays of a checkpoint that they write.
+    pub arrays: Vec<LongArray<'a>>,
+    deal_step: Deal<'a, CellsOfStep>,
+}
+
+/// An array of a checkpoint with numbers of cells.
+pub struct LongArray<'a> {
+    /// Its name.
+    pub name: &'static str,
+    /// Numbers of a cell.
+    pub len: usize,
+    deal: Deal<'a, Vec<f64>>,
 }
 
 /// The numbers of a step in some cells.
@@ -54,9 +63,13 @@ impl<'a> Together<'a> {
             let numbers = |of| Cow::Owned(deal(of, ranges));
             CellsOfStep { flow: own.flow_of_slab(numbers).into_owned(), averages: own.averages_in(numbers) }
         };
-        let with_length = |(of, name): (OfCells, &'static str)| (of, name, of.own(own).len() / share.own.len());
-        let arrays = own.long_arrays().map(with_length).collect();
-        Some(Together { communicator, sharing, orders, arrays, deal: Box::new(deal), deal_step: Box::new(deal_step) })
+        let array = |(of, name): (OfCells, &'static str)| LongArray {
+            name,
+            len: of.own(own).len() / share.own.len(),
+            deal: Box::new(move |ranges: &[Range<usize>]| deal(of, ranges)),
+        };
+        let arrays = own.long_arrays().map(array).collect();
+        Some(Together { communicator, sharing, orders, arrays, deal_step: Box::new(deal_step) })
     }
 
     /// How many ranks there are.
@@ -70,11 +83,11 @@ impl<'a> Together<'a> {
     /// The first one of `write`.
     pub fn deal(
         &self,
-        of: OfCells,
+        array: &LongArray,
         rounds: impl Iterator<Item = Vec<Range<usize>>>,
         write: impl FnMut(Range<usize>, Vec<f64>) -> Result<(), OutputError>,
     ) -> Result<(), OutputError> {
-        self.each(rounds, |ranges| (self.deal)(of, ranges), write)
+        self.each(rounds, &array.deal, write)
     }
 
     /// The same for the numbers of a step.

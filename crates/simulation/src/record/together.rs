@@ -4,7 +4,7 @@ use super::layout::layout;
 use super::step_parts::StepParts;
 use super::{MeshView, Snapshot};
 use crate::cells;
-use crate::crew::{Order, Together};
+use crate::crew::{LongArray, Order, Together};
 use crate::error::Failure;
 use case::Case;
 use coupled::FlowMarch;
@@ -82,9 +82,9 @@ pub fn write_state<const D: usize, const M: usize>(
     path: &Path,
 ) -> Result<(), Failure> {
     together.write(Order::WriteState, path, layout::<D, M>(case), |file| {
-        let write = |&(of, name, len): &(_, &str, usize)| {
-            let rounds = cells::rounds(case.mesh.n_cells(), len, together.size());
-            together.deal(of, rounds, |cells, values| file.write_state(name, cells.start * len, &values))
+        let write = |array: &LongArray| {
+            let rounds = cells::rounds(case.mesh.n_cells(), array.len, together.size());
+            together.deal(array, rounds, |cells, values| file.write_state(array.name, cells.start * array.len, &values))
         };
         // Each rank deals every array, also after an error.
         together.arrays.iter().map(write).fold(Ok(()), Result::and)
