@@ -90,7 +90,7 @@ impl<'a> StepInParts<'a> {
         *self.written.entry(name.to_owned()).or_default() += numbers;
     }
 
-    /// Has all ranks `write` the next `cells` by a [`SharedFile`] at the path that they receive, with the arrays of coefficients that have numbers
+    /// Has all ranks `write` the next `cells` by a [`crate::SharedFile`] at the path that they receive, with the arrays of coefficients that have numbers
     /// of cells.
     ///
     /// # Errors
