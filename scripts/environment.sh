@@ -48,11 +48,15 @@ has_mpi() {
     has mpicc && has mpirun && has_libclang
 }
 
+# Which MPI mpicc belongs to, as Debian names its packages.
+mpi_kind() {
+    if has mpicc && mpicc -show 2>/dev/null | grep -q mpich; then echo mpich; else echo openmpi; fi
+}
+
 # The folder of an HDF5 library that is built with the MPI of mpicc, if there is one: named by the user, Debian's, or Homebrew's.
 parallel_hdf5() {
-    local kind=openmpi folder
-    if has mpicc && mpicc -show 2>/dev/null | grep -q mpich; then kind=mpich; fi
-    for folder in "${HDF5_DIR:-}" /usr/lib/*/hdf5/"$kind" "$(if has_brew; then brew --prefix hdf5-mpi 2>/dev/null; fi)"; do
+    local folder
+    for folder in "${HDF5_DIR:-}" /usr/lib/*/hdf5/"$(mpi_kind)" "$(if has_brew; then brew --prefix hdf5-mpi 2>/dev/null; fi)"; do
         if grep -qs "define H5_HAVE_PARALLEL 1" "$folder"/include/H5pubconf.h; then
             printf '%s\n' "$folder"
             return

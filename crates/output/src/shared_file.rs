@@ -13,8 +13,8 @@ use ranks::FileSharing;
 use crate::error::OutputError;
 use crate::lagrange::vtk_order;
 use crate::layout::FileLayout;
-use crate::step::{Step, write_entries};
-use crate::{format, hdf, state, vtkhdf};
+use crate::step::{Step, write_part};
+use crate::{format, hdf, state};
 
 /// A result file, open on all ranks.
 #[derive(Debug)]
@@ -45,16 +45,9 @@ impl SharedFile {
     /// cannot be written.
     pub fn write_cells(&self, first: usize, part: &Step) -> Result<(), OutputError> {
         let fields = part.fields_in_order(&self.layout)?;
-        let write = || {
-            let (root, group) = (self.file.group("VTKHDF")?, self.file.group(format::GROUP)?);
-            let grid = &self.layout.grid;
-            let point = vtkhdf::times(&root)?.len() * grid.points() + first * grid.points_per_cell();
-            vtkhdf::write_cells(&root, &self.layout, &self.order, point, (part.points, &fields))?;
-            let array = |name: &str| self.layout.exact.iter().find(|array| array.name == name);
-            let mut known = part.exact.iter().filter_map(|(name, values)| Some((array(name)?, values)));
-            known.try_for_each(|(array, values)| write_entries(&root, &group, array, first, values))
-        };
-        write().map_err(|source| self.error(source))
+        let point = first * self.layout.grid.points_per_cell();
+        let written = write_part(&self.file, (&self.layout, &self.order), (part, &fields), point, |_| first);
+        written.map_err(|source| self.error(source))
     }
 
     /// Writes `values` to a long array of the state, from the number `first` on.

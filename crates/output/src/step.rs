@@ -69,25 +69,18 @@ impl<'a> StepInParts<'a> {
     }
 
     fn write(&mut self, part: &Step, fields: &[&[f64]]) -> hdf5::Result<()> {
-        let layout = &self.result.layout;
-        let (root, group) = (self.file.group("VTKHDF")?, self.file.group(format::GROUP)?);
-        let first = vtkhdf::times(&root)?.len() * layout.grid.points() + self.written(POINTS) / 3;
-        vtkhdf::write_cells(&root, layout, &self.result.order, first, (part.points, fields))?;
-        for (name, values) in part.exact {
-            let Some(array) = layout.exact.iter().find(|array| array.name == *name) else { continue };
-            write_entries(&root, &group, array, self.written(name) / array.entry_len(), values)?;
-        }
+        let kinds = (&self.result.layout, &self.result.order[..]);
+        let first_entry = |array: &ArraySpec| self.written(&array.name) / array.entry_len();
+        write_part(&self.file, kinds, (part, fields), self.written(POINTS) / 3, first_entry)?;
         let numbers = part.exact.iter().map(|(name, values)| (*name, values.len()));
-        numbers.chain([(POINTS, part.points.len())]).for_each(|(name, count)| self.count(name, count));
+        numbers
+            .chain([(POINTS, part.points.len())])
+            .for_each(|(name, numbers)| count(&mut self.written, name, numbers));
         Ok(())
     }
 
     fn written(&self, name: &str) -> usize {
         self.written.get(name).copied().unwrap_or_default()
-    }
-
-    fn count(&mut self, name: &str, numbers: usize) {
-        *self.written.entry(name.to_owned()).or_default() += numbers;
     }
 
     /// Has all ranks `write` the next `cells` by a [`crate::SharedFile`] at the path that they receive, with the arrays of coefficients that have numbers
@@ -100,30 +93,27 @@ impl<'a> StepInParts<'a> {
         cells: usize,
         write: impl FnOnce(&Path) -> Result<(), E>,
     ) -> Result<Self, E> {
-        let points = cells * self.result.layout.grid.points_per_cell();
-        let of_cells: Vec<(String, usize)> = self
-            .result
-            .layout
-            .exact
-            .iter()
-            .filter(|array| array.is_of_cells())
-            .map(|array| (array.name.clone(), array.len()))
-            .collect();
-        let make_room = || {
-            let root = self.file.group("VTKHDF")?;
-            let steps = vtkhdf::times(&root)?.len();
-            vtkhdf::make_room_for(&root, &self.result.layout, steps * self.result.layout.grid.points() + points)?;
-            let exact = self.file.group(format::GROUP)?.group("exact")?;
-            of_cells.iter().try_for_each(|(name, _)| hdf::make_room(&exact.dataset(name)?, steps + 1))
-        };
-        make_room().map_err(|source| self.result.write_error(source))?;
-        self.count(POINTS, 3 * points);
-        of_cells.iter().for_each(|(name, numbers)| self.count(name, *numbers));
+        self.make_room(cells).map_err(|source| self.result.write_error(source))?;
         let StepInParts { result, file, time, written } = self;
         file.close().map_err(|source| result.write_error(source))?;
         write(result.working())?;
         let file = result.open_working()?;
         Ok(StepInParts { result, file, time, written })
+    }
+
+    /// Makes the room for the next `cells`, and counts them as written.
+    fn make_room(&mut self, cells: usize) -> hdf5::Result<()> {
+        let StepInParts { result, file, written, .. } = self;
+        let layout = &result.layout;
+        let (root, exact) = groups(file)?;
+        let step = vtkhdf::times(&root)?.len();
+        let points = cells * layout.grid.points_per_cell();
+        count(written, POINTS, 3 * points);
+        vtkhdf::make_room_for(&root, layout, step * layout.grid.points() + written[POINTS] / 3)?;
+        layout.exact.iter().filter(|array| array.is_of_cells()).try_for_each(|array| {
+            count(written, &array.name, array.len());
+            hdf::make_room(&exact.dataset(&array.name)?, step + 1)
+        })
     }
 
     /// Makes the parts a step.
@@ -148,17 +138,33 @@ impl<'a> StepInParts<'a> {
     }
 }
 
-/// Writes entries of the first axis of an array of coefficients, from the number `first` on, in the step that is not closed yet.
-pub(crate) fn write_entries(
-    root: &Group,
-    group: &Group,
-    array: &ArraySpec,
-    first: usize,
-    values: &[f64],
+fn count(written: &mut BTreeMap<String, usize>, name: &str, numbers: usize) {
+    *written.entry(name.to_owned()).or_default() += numbers;
+}
+
+/// The group of the viewer, and that of the coefficients.
+fn groups(file: &File) -> hdf5::Result<(Group, Group)> {
+    Ok((file.group("VTKHDF")?, file.group(format::GROUP)?.group("exact")?))
+}
+
+/// Writes a `part` to the step that is not closed yet, with its `fields` in the order of the layout. Its points begin at the number `first_point` of the
+/// step, each array of coefficients at the number `first_entry` of its first axis. `order` comes from [`crate::vtk_order`].
+pub(crate) fn write_part(
+    file: &File,
+    (layout, order): (&FileLayout, &[usize]),
+    (part, fields): (&Step, &[&[f64]]),
+    first_point: usize,
+    first_entry: impl Fn(&ArraySpec) -> usize,
 ) -> hdf5::Result<()> {
-    let step = vtkhdf::times(root)?.len();
-    let dataset = group.group("exact")?.dataset(&array.name)?;
-    hdf::write_rows(&dataset, step, first, values.len() / array.entry_len(), values)
+    let (root, exact) = groups(file)?;
+    let step = vtkhdf::times(&root)?.len();
+    vtkhdf::write_cells(&root, layout, order, step * layout.grid.points() + first_point, (part.points, fields))?;
+    for (name, values) in part.exact {
+        let Some(array) = layout.exact.iter().find(|array| array.name == *name) else { continue };
+        let entries = values.len() / array.entry_len();
+        hdf::write_rows(&exact.dataset(name)?, step, first_entry(array), entries, values)?;
+    }
+    Ok(())
 }
 
 /// What the points are called in messages.

@@ -195,18 +195,15 @@ impl Share {
     /// On every rank the numbers of a range of cells of the whole mesh: `ranges` has that of each rank. `of_own` has equally many numbers for every
     /// own cell. A collective call with the same ranges.
     pub fn deal(&self, of_own: &[f64], ranges: &[Range<usize>]) -> Vec<f64> {
-        let (len, communicator) = (of_own.len() / self.own.len().max(1), self.sums.communicator());
+        let len = of_own.len() / self.own.len().max(1);
         let sent: Vec<Vec<f64>> = ranges.iter().map(|range| numbers_of(self.own_within(range), of_own, len)).collect();
-        let cells = ranges[communicator.rank()].clone();
+        let cells = ranges[self.sums.communicator().rank()].clone();
         let mut of_ranks = vec![Vec::new(); ranges.len()];
-        cells.clone().for_each(|cell| of_ranks[self.rank_of_cell[cell] as usize].extend(vec![0.0; len]));
-        let mut sends: Vec<(usize, &[f64])> =
-            sent.iter().enumerate().map(|(rank, numbers)| (rank, &numbers[..])).collect();
-        let mut receives: Vec<(usize, &mut [f64])> =
-            of_ranks.iter_mut().enumerate().map(|(rank, numbers)| (rank, &mut numbers[..])).collect();
-        sends.retain(|(_, numbers)| !numbers.is_empty());
-        receives.retain(|(_, numbers)| !numbers.is_empty());
-        communicator.exchange(&sends, &mut receives);
+        for cell in cells.clone() {
+            let of_rank = &mut of_ranks[self.rank_of_cell[cell] as usize];
+            of_rank.resize(of_rank.len() + len, 0.0);
+        }
+        self.exchange_lists(&sent, &mut of_ranks);
         self.in_order(&of_ranks, len, cells)
     }
 
@@ -216,14 +213,22 @@ impl Share {
         cells.iter().for_each(|&cell| counts[self.rank_of_cell[cell] as usize] += len);
         let mut of_ranks: Vec<Vec<f64>> =
             counts.into_iter().enumerate().map(|(rank, count)| vec![0.0; if rank > 0 { count } else { 0 }]).collect();
-        let mut receives: Vec<(usize, &mut [f64])> =
-            of_ranks.iter_mut().enumerate().map(|(rank, numbers)| (rank, &mut numbers[..])).collect();
-        receives.retain(|(_, numbers)| !numbers.is_empty());
-        if !receives.is_empty() {
-            self.sums.communicator().exchange(&[], &mut receives);
-        }
+        self.exchange_lists(&[], &mut of_ranks);
         of_ranks[0] = own;
         of_ranks
+    }
+
+    /// Sends each rank its list of `sent`, and fills the lists of `received` from each. An empty list is no message.
+    fn exchange_lists(&self, sent: &[Vec<f64>], received: &mut [Vec<f64>]) {
+        let mut sends: Vec<(usize, &[f64])> =
+            sent.iter().enumerate().map(|(rank, numbers)| (rank, &numbers[..])).collect();
+        let mut receives: Vec<(usize, &mut [f64])> =
+            received.iter_mut().enumerate().map(|(rank, numbers)| (rank, &mut numbers[..])).collect();
+        sends.retain(|(_, numbers)| !numbers.is_empty());
+        receives.retain(|(_, numbers)| !numbers.is_empty());
+        if !(sends.is_empty() && receives.is_empty()) {
+            self.sums.communicator().exchange(&sends, &mut receives);
+        }
     }
 
     /// [`Self::gather`] of all cells of the mesh.
@@ -255,17 +260,13 @@ impl Share {
 
     /// Sends all other ranks the `numbers` of their `cells`, `len` for each, and returns the own ones.
     fn send_to_owners(&self, cells: &[usize], numbers: &[f64], len: usize) -> Vec<f64> {
-        let communicator = self.sums.communicator();
-        let mut of_ranks = vec![Vec::new(); communicator.size()];
+        let mut of_ranks = vec![Vec::new(); self.sums.communicator().size()];
         for (&cell, numbers) in cells.iter().zip(numbers.chunks_exact(len)) {
             of_ranks[self.rank_of_cell[cell] as usize].extend_from_slice(numbers);
         }
-        let others = of_ranks.iter().enumerate().skip(1).filter(|(_, numbers)| !numbers.is_empty());
-        let sends: Vec<(usize, &[f64])> = others.map(|(rank, numbers)| (rank, &numbers[..])).collect();
-        if !sends.is_empty() {
-            communicator.exchange(&sends, &mut []);
-        }
-        of_ranks.swap_remove(0)
+        let own = std::mem::take(&mut of_ranks[0]);
+        self.exchange_lists(&of_ranks, &mut []);
+        own
     }
 
     /// Receives from rank 0 the numbers of those of `cells` that are own cells, `len` for each.

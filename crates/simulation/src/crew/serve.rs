@@ -67,17 +67,18 @@ where
             (Order::Integrate, Some(march)) => drop(integrals::of_run(case, &flow, march)),
             (Order::AddUp, Some(march)) => drop(add_up(march)),
             (Order::Measure, Some(march)) => drop(errors::of_cells(&flow, march)),
-            // An error is that of all ranks.
-            (Order::WriteStep, Some(march)) => {
-                let (own, path) = (Own { march, averages: &averages }, path_of(&orders::decode(&state)));
-                let parts = step_parts.get_or_insert_with(|| StepParts::of_march(case, march));
-                let together = Together::new(own, &**communicator, None);
-                together.iter().for_each(|together| drop(parts.write_own(march, together, &path)));
-            }
-            (Order::WriteState, Some(march)) => {
-                let (own, path) = (Own { march, averages: &averages }, path_of(&orders::decode(&state)));
-                let together = Together::new(own, &**communicator, None);
-                together.iter().for_each(|together| drop(write_state::<D, M>(case, together, &path)));
+            (Order::WriteStep | Order::WriteState, Some(march)) => {
+                let own = Own { march, averages: &averages };
+                let Some(together) = Together::new(own, &**communicator, None) else { continue };
+                let path = path_of(&orders::decode(&state));
+                // An error is that of all ranks.
+                drop(match order {
+                    Order::WriteState => write_state::<D, M>(case, &together, &path),
+                    _ => {
+                        let parts = step_parts.get_or_insert_with(|| StepParts::of_march(case, march));
+                        parts.write_own(march, &together, &path)
+                    }
+                });
             }
             (Order::TellMemory, _) => drop(peak_memories(&**communicator)),
             (_, None) => {}
