@@ -146,3 +146,9 @@ pub fn relative_difference(a: &[f64], b: &[f64]) -> f64 {
     let largest = |v: &mut dyn Iterator<Item = f64>| v.fold(0.0, |m: f64, x| m.max(x.abs()));
     largest(&mut a.iter().zip(b).map(|(a, b)| a - b)) / largest(&mut b.iter().copied())
 }
+
+/// The numbers of the own cells among those of the `whole` mesh, as many in every cell.
+pub fn own_part(share: &fem::Share, whole: &[f64]) -> Vec<f64> {
+    let len = whole.len() / share.whole_cells();
+    share.own.iter().flat_map(|&cell| &whole[cell * len..(cell + 1) * len]).copied().collect()
+}

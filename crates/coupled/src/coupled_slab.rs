@@ -15,7 +15,7 @@ use crate::system::System;
 use fem::{FluxesAt, SlabEnd, Violation};
 use newton_krylov::finite_difference::{FiniteDifference, Scheme};
 use newton_krylov::inner_product;
-use newton_krylov::newton::{self, ShortSteps, Workspace};
+use newton_krylov::newton::{self, FruitlessSteps, Workspace};
 use std::array::from_fn;
 use std::sync::Arc;
 
@@ -62,11 +62,11 @@ pub const ROUND_OFF: f64 = 1e-13;
 /// rounding.
 const QUIET: f64 = 1e-6;
 
-/// A slab whose Newton steps stay short fails early, and is halved.
-const SHORT_STEPS: ShortSteps = ShortSteps { steps: 4, left: 0.8 };
+/// A slab whose Newton steps lead nowhere fails early, and is halved.
+const FRUITLESS_STEPS: FruitlessSteps = FruitlessSteps { steps: 4, left: 0.8 };
 
 /// The same for the first attempt at the first slab, if the start can be made easier: one short step ends it. A step of an eighth leaves 0.875.
-const SHORT_FIRST_STEP: ShortSteps = ShortSteps { steps: 1, left: 0.85 };
+const FRUITLESS_FIRST_STEP: FruitlessSteps = FruitlessSteps { steps: 1, left: 0.85 };
 
 /// The largest number of Krylov iterations per Newton step of that attempt.
 const FIRST_ITERATIONS: usize = 40;
@@ -121,7 +121,6 @@ pub struct CoupledSlab<const D: usize, const M: usize> {
     jacobian: Jacobian,
     /// The boundary layer for an easier initial state.
     pub start_layer: StartLayer,
-    eased: Option<EasedStart>,
     workspace: Workspace,
 }
 
@@ -134,12 +133,12 @@ impl<const D: usize, const M: usize> FlowMarch<D, M> {
         let Settings { schedule, mut newton, predictor, jacobian, max_halvings } = settings;
         newton.absolute_tolerance = newton.absolute_tolerance.max(ROUND_OFF);
         newton.quiet = QUIET;
-        newton.short_steps = Some(SHORT_STEPS);
+        newton.fruitless_steps = Some(FRUITLESS_STEPS);
         let d = system.mover().displacement_at_start(schedule.start);
         let bodies = system.bodies.iter().map(|body| body.initial()).collect();
         let state = State { step: schedule.step, bodies, ..State::new(schedule.start, u, d) };
-        let (start_layer, eased, workspace) = (StartLayer::default(), None, Workspace::default());
-        let solver = CoupledSlab { system, newton, predictor, jacobian, start_layer, eased, workspace };
+        let (start_layer, workspace) = (StartLayer::default(), Workspace::default());
+        let solver = CoupledSlab { system, newton, predictor, jacobian, start_layer, workspace };
         March::from(solver, state, schedule, max_halvings)
     }
 
@@ -205,7 +204,7 @@ impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
         state.past = Some(Past { interval, dt, bottom, u: Arc::new(z), v: Arc::new(v), bodies });
         let Balance { totals, fluxes } = balance;
         let counts = system.take_counts();
-        let (slab, rejected, eased) = (state.slab + 1, state.rejected, self.eased.take());
+        let (slab, rejected, eased) = (state.slab + 1, state.rejected, state.eased.take());
         let residual_norms = [newton.initial_norm, newton.final_norm()];
         SlabReport { slab, interval, rejected, eased, newton, residual_norms, counts, quality, jump, fluxes, totals }
     }
@@ -223,8 +222,10 @@ impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
             return None;
         }
         let (flow, mover) = (&self.system.flow.operator, self.system.mover());
-        let thickness = self.start_layer.thicken(flow, (mover, state.time), &mut state.u)?;
-        self.eased = Some(EasedStart { thickness, totals: totals_at(flow, &state.u, SlabEnd::Bottom) });
+        let tried = state.eased.as_ref().map_or(0, |eased| eased.attempts);
+        let thickness = self.start_layer.thicken(flow, (mover, state.time), tried, &mut state.u)?;
+        let totals = totals_at(flow, &state.u, SlabEnd::Bottom);
+        state.eased = Some(EasedStart { attempts: tried + 1, thickness, totals });
         Some(format!("the initial state gets a boundary layer {thickness:.3e} thick at the walls"))
     }
 }
@@ -255,8 +256,8 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
     fn settings(&self, state: &State) -> newton::Settings {
         let mut settings = self.newton;
         settings.krylov.precision = self.system.krylov_precision();
-        if state.slab == 0 && self.start_layer.is_untried() {
-            settings.short_steps = Some(SHORT_FIRST_STEP);
+        if state.slab == 0 && state.eased.is_none() && !self.start_layer.walls.is_empty() {
+            settings.fruitless_steps = Some(FRUITLESS_FIRST_STEP);
             settings.krylov.max_iterations = settings.krylov.max_iterations.min(FIRST_ITERATIONS);
             settings.pseudo_time.max_rejections = 0;
         }

@@ -65,7 +65,7 @@ impl SlabError {
     /// with about dt^-2: a slab halved k times takes steps 4^k times as long. They should be at least a quarter of the increment.
     pub fn halvings(&self) -> u32 {
         let SlabError::Newton { source, .. } = self else { return 1 };
-        let newton::Error::ShortSteps { steps, report } = &**source else { return 1 };
+        let newton::Error::Fruitless { steps, report, .. } = &**source else { return 1 };
         let times = 0.5 * (0.25 / report.longest_of_last(*steps)).log2();
         times.round().clamp(1.0, MOST_HALVINGS) as u32
     }
@@ -91,7 +91,7 @@ mod tests {
                 rejections: 0,
             };
             let report = Box::new(Report { steps: vec![step; 4], ..Report::default() });
-            let source = Box::new(newton::Error::ShortSteps { steps: 4, report });
+            let source = Box::new(newton::Error::Fruitless { steps: 4, before: 1.0, report });
             assert_eq!(SlabError::Newton { residual_breakdown: None, source }.halvings(), expected, "{length}");
         }
         let top = Inadmissible { quantity: "density".into(), value: -1.0, location: "in cell 1".into() };

@@ -21,11 +21,13 @@ use std::array::from_fn;
 const FIRST: f64 = 0.3;
 
 /// How many thicknesses are tried, each twice the one before.
-const ATTEMPTS: i32 = 2;
+const ATTEMPTS: usize = 2;
 
 /// An initial state that was made easier.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EasedStart {
+    /// How many layers were tried.
+    pub attempts: usize,
     /// delta of (start layer).
     pub thickness: f64,
     /// The integral of every component of the initial state with the layer.
@@ -37,9 +39,8 @@ pub struct EasedStart {
 pub struct StartLayer {
     /// The no-slip boundaries.
     pub walls: Vec<usize>,
-    attempts: i32,
-    /// The state without a layer.
-    given: Vec<f64>,
+    /// The state without a layer, once there is one.
+    pub given: Vec<f64>,
 }
 
 impl StartLayer {
@@ -48,29 +49,25 @@ impl StartLayer {
         StartLayer { walls, ..StartLayer::default() }
     }
 
-    /// Whether there are walls, and no layer yet.
-    pub(crate) fn is_untried(&self) -> bool {
-        !self.walls.is_empty() && self.attempts == 0
-    }
-
-    /// Gives `u` the next thicker layer; returns its thickness. `None` if there are no walls, or all thicknesses were tried.
+    /// Gives `u` the next thicker layer after so many that were `tried`; returns its thickness. `None` if there are no walls, or all thicknesses
+    /// were tried.
     pub(crate) fn thicken<const D: usize, const M: usize>(
         &mut self,
         flow: &SlabOperator<D, M>,
         (mover, time): (&MeshMover<D>, f64),
+        tried: usize,
         u: &mut [f64],
     ) -> Option<f64> {
-        if self.walls.is_empty() || self.attempts == ATTEMPTS {
+        if self.walls.is_empty() || tried >= ATTEMPTS {
             return None;
         }
-        if self.attempts == 0 {
+        if tried == 0 {
             self.given = u.to_vec();
         }
-        let thickness = FIRST * size(mover, &self.walls) * 2.0_f64.powi(self.attempts);
+        let thickness = FIRST * size(mover, &self.walls) * 2.0_f64.powi(tried as i32);
         if !(thickness > 0.0 && thickness.is_finite()) {
             return None;
         }
-        self.attempts += 1;
         u.copy_from_slice(&self.given);
         self.apply(flow, (mover, time), thickness, u);
         Some(thickness)

@@ -1,6 +1,7 @@
 //! The state of a run: all that the next slab depends on.
 
 use crate::reuse_policy::JacobianReusePolicy;
+use crate::start_layer::EasedStart;
 use basis::RadauTime;
 use std::sync::Arc;
 
@@ -55,10 +56,12 @@ pub struct State {
     pub past: Option<Past>,
     /// Parts of the current slab that remain, the next one last.
     pub pending: Vec<Interval>,
-    /// The slab that could not be solved and is halved, until its end is reached. Never the first one.
+    /// The slab that could not be solved and is halved, until its end is reached.
     pub failed: Option<Interval>,
     /// Attempts at the next slab that were rejected.
     pub rejected: usize,
+    /// What has made the first slab easier, until that is done.
+    pub eased: Option<EasedStart>,
     /// The length of the next slab, if it is adapted.
     pub step: f64,
     /// Whether the boundary jumps at the bottom of the next slab: the shorter that is, the faster the boundary moves in it.
@@ -82,6 +85,7 @@ impl State {
             pending: Vec::new(),
             failed: None,
             rejected: 0,
+            eased: None,
             step: 0.0,
             boundary_jumps: false,
             reuse_policy: JacobianReusePolicy::default(),

@@ -5,7 +5,7 @@ use crate::schedule::Schedule;
 use crate::slab_error::SlabError;
 use crate::state::{Interval, Past, State};
 use elasticity::{Dynamics, DynamicsReport, ElasticityError, SlabBottom, SlabMotion, Statics, Structure};
-use fem::VectorField;
+use fem::{Clock, VectorField};
 use std::sync::Arc;
 
 /// The report of a slab of a structure.
@@ -71,6 +71,46 @@ impl<const D: usize> Supports<D> {
             let value = field.map_or([0.0; D], |field| value(&*self.fields[field], x));
             (0..D).filter(|&i| fixed[i]).for_each(|i| entry[i] = value[i]);
         }
+    }
+
+    /// Sets the fixed entries of `v`, `[time node][C0 node][component]`, to the velocities of the supports in a slab of length `dt`. It begins
+    /// with the displacement `bottom`.
+    ///
+    /// ```text
+    /// V_a = g'(s_a) + ( g(1) - d_n - dt sum_b omega_b g'(s_b) ) / dt                                              (support)
+    /// ```
+    ///
+    /// The second term takes the support to g at the top of the slab, also where g bends or jumps. Where g is smooth, it is of the order
+    /// 2 N_t - 1.
+    pub fn set_velocities(
+        &self,
+        structure: &Structure<D>,
+        motion: &SlabMotion,
+        (clock, dt): (Clock, f64),
+        bottom: &[f64],
+        v: &mut [f64],
+    ) {
+        let nodes = motion.time().nodes().iter().zip(v.chunks_exact_mut(bottom.len()));
+        nodes.for_each(|(s, v)| self.set(structure, v, |field, x| field.rate(x, clock.time(*s))));
+        let mut top = vec![0.0; bottom.len()];
+        motion.displacement(dt, bottom, v, 1.0, &mut top);
+        for (entry, field, x) in self.moved_entries(structure) {
+            let missing = (field.value(x, clock.time(1.0))[entry % D] - top[entry]) / dt;
+            v.iter_mut().skip(entry).step_by(bottom.len()).for_each(|v| *v += missing);
+        }
+    }
+
+    /// The fixed entries that a field moves, each with the field and the position at rest.
+    fn moved_entries<'a>(
+        &'a self,
+        structure: &'a Structure<D>,
+    ) -> impl Iterator<Item = (usize, &'a dyn VectorField<D>, &'a [f64; D])> {
+        let nodes = structure.coordinates().iter().zip(&self.field_of_node).enumerate();
+        let moved = nodes.filter_map(|(node, (x, field))| Some((node, x, &*self.fields[(*field)?])));
+        let fixed = structure.fixed();
+        moved.flat_map(move |(node, x, field)| {
+            (node * D..(node + 1) * D).filter(|&entry| fixed[entry]).map(move |entry| (entry, field, x))
+        })
     }
 }
 
@@ -226,9 +266,8 @@ impl<const D: usize> StructureAlone<D> {
             Some(_) => state.extrapolated_velocities(time, length, dt),
             None => self.velocity_at_start.repeat(time.order()),
         };
-        for (s, v) in time.nodes().iter().zip(v.chunks_exact_mut(length)) {
-            self.set_supports(v, |field, x| field.rate(x, start + s * dt));
-        }
+        let (structure, slab) = (self.equations.structure(), (Clock::running(start, dt), dt));
+        self.supports.set_velocities(structure, self.equations.motion(), slab, &state.d, &mut v);
         v
     }
 

@@ -5,15 +5,15 @@
 //!
 //! ```text
 //! R_a = sum_b T_ab M V_b - phi_a(0) M v_n + dt omega_a ( R(d(s_a)) + C V_a - f(s_a) ) - I_a = 0     at free entries  (dynamics)
-//! V_a = g'(s_a)                                                                                at fixed entries
+//! V_a = g'(s_a) + c                                                                            at fixed entries
 //! ```
 //!
 //! I_a is the impulse of follower pressures, see `pressure_impulse`.
 //!
 //! T and omega are the matrix and the weights of `basis::RadauTime`. As diag(omega)^{-1} T = Phi^{-1}, this is the Radau IIA method. It has
 //! the order 2 N_t - 1 at the top of a slab and is stable for any dt. Supports prescribe the velocity. Prescribed positions would cost
-//! (dynamics) its order, because the reactions would follow from second differences. The position of a support is the Radau quadrature of
-//! g', of the same order.
+//! (dynamics) its order, because the reactions would follow from second differences. The constant c takes the Radau quadrature of g', of the
+//! same order, to the position g at the top of the slab. The caller computes V_a.
 //!
 //! Only dampers and jumps take energy. E_strain is the strain energy, [v] = v(0+) - v_n, and [d] is the jump at the bottom of the
 //! polynomial through the d(s_a):

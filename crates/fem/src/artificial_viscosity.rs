@@ -23,18 +23,25 @@ struct Side<T, G, const D: usize, const M: usize> {
     jump_flux: [[T; M]; D],
 }
 
+/// Distances between nodes along the axes of a cell, per length: (N_s - 1) / 2 dxi/dx, `[axis][direction]`, with the cofactors `cof` and
+/// the determinant `det` of dx/dxi, and N_s = `order`.
+#[inline(always)]
+pub fn node_grid<G: Real, const D: usize>(cof: &[[G; D]; D], det: G, order: usize) -> [[G; D]; D] {
+    let factor = det.recip() * (0.5 * (order - 1) as f64);
+    let mut grid = *cof;
+    for j in 0..D {
+        for k in 0..D {
+            grid[j][k] = cof[k][j] * factor;
+        }
+    }
+    grid
+}
+
 impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
-    /// Distances between nodes along the axes of the cell, per length: (N_s - 1) / 2 dxi/dx, `[axis][direction]`.
+    /// [`node_grid`] of a cell.
     #[inline(always)]
     pub(crate) fn grid(self, metric: &Metric<T::Geometry, D>) -> [[T::Geometry; D]; D] {
-        let factor = metric.det.recip() * (0.5 * (self.tables.orders.flow - 1) as f64);
-        let mut grid = metric.cof;
-        for j in 0..D {
-            for k in 0..D {
-                grid[j][k] = metric.cof[k][j] * factor;
-            }
-        }
-        grid
+        node_grid(&metric.cof, metric.det, self.tables.orders.flow)
     }
 
     /// Adds -F_a to the fluxes that are tested at the points of some planes.
@@ -82,7 +89,7 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
                 let minus = self.artificial_side(self.map_of_side(geometry, 0, at), side_minus, &u_minus, &jump, at);
                 let plus = self.artificial_side(self.map_of_side(geometry, 1, at), side_plus, &u_plus, &jump, at);
                 let nearest = minus.metric.det.recip().abs().max(plus.metric.det.recip().abs());
-                let sigma = here.area * nearest * self.penalty();
+                let sigma = self.penalty(here.area, nearest);
                 let [side_minus, side_plus] = &mut scratch.sides;
                 for m in 0..M {
                     let mut f = u_minus[m].zero();

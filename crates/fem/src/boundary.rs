@@ -126,7 +126,7 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
         }
         let metric = self.map_of_side(geometry, 0, at);
         let gradient = self.physical_gradient(&scratch.sides[0].gradient, at, &metric);
-        let sigma = here.area * metric.det.recip().abs() * self.penalty();
+        let sigma = self.penalty(here.area, metric.det.recip().abs());
         let inside = Inside { gradient, sigma, grid: self.grid(&metric) };
         PointFlux::new(self.law, condition, minus, point, Some(&inside))
     }

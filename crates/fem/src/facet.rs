@@ -140,6 +140,12 @@ struct SidePoint<'a, T, G, const D: usize, const M: usize> {
 type SidePoints<'a, const D: usize, const M: usize, T> =
     [SidePoint<'a, <T as KernelTypes<D, M>>::State, <T as KernelTypes<D, M>>::Geometry, D, M>; 2];
 
+/// sigma of (penalty), with |S| = `area`, 1 / |J| = `per_volume` and N_s = `order`.
+#[inline(always)]
+pub fn penalty<G: Real>(area: G, per_volume: G, order: usize) -> G {
+    area * per_volume * (order * order) as f64
+}
+
 impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
     /// Step 3 between two cells.
     #[inline(always)]
@@ -191,7 +197,7 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
         let jump = times_normal(minus, plus, &here.n);
         let (mut jump_flux_minus, mut jump_flux_plus) = (law.viscous_flux(minus, &jump), law.viscous_flux(plus, &jump));
         let nearest = metric_minus.det.recip().abs().max(metric_plus.det.recip().abs());
-        let sigma = here.area * nearest * self.penalty();
+        let sigma = self.penalty(here.area, nearest);
         for m in 0..M {
             for k in 0..D {
                 let mean = (flux_minus[k][m] + flux_plus[k][m]) * 0.5;
@@ -209,10 +215,10 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
         self.symmetric_term(&jump_flux_plus, metric_plus, scale, at, &mut side_plus.tested_gradient);
     }
 
-    /// N_s^2 of sigma.
+    /// sigma of (penalty), with |S| = `area` and 1 / |J| = `per_volume`.
     #[inline(always)]
-    pub(crate) fn penalty(self) -> f64 {
-        (self.tables.orders.flow * self.tables.orders.flow) as f64
+    pub(crate) fn penalty(self, area: T::Geometry, per_volume: T::Geometry) -> T::Geometry {
+        penalty(area, per_volume, self.tables.orders.flow)
     }
 
     /// scale grad_x psi : f as tests against reference derivatives: scale / det sum_k cof_kj f_k for direction j.

@@ -13,6 +13,7 @@
 //! nodes of both cells coincide, and Fhat is the scheme's own flux without the terms with gradients. The same holds on boundaries. An
 //! unknown is coupled to 2 D others, whatever the order.
 
+use crate::facet::penalty;
 use crate::kernels::Kernels;
 use crate::operator::SlabOperator;
 use crate::parallel::{self, Grain};
@@ -246,9 +247,9 @@ impl<const D: usize, const M: usize> LowOrder<'_, D, M> {
         map.place::<D>(&self.operator.mesh, cell, &self.slots);
         map.evaluate_nodes::<D>(tables);
         for (face, penalties) in penalties.chunks_exact_mut(n.pow(D as u32 - 1)).enumerate() {
-            for (penalty, &node) in penalties.iter_mut().zip(tables.face_nodes(face)) {
+            for (sigma, &node) in penalties.iter_mut().zip(tables.face_nodes(face)) {
                 let (area, det) = map.area::<D>(node, face / 2);
-                *penalty = ((n * n) as f64 * norm(&area) / det.abs()) as f32;
+                *sigma = penalty(norm(&area), det.abs().recip(), n) as f32;
             }
         }
     }

@@ -194,11 +194,6 @@ impl Share {
         self.sums.communicator().size() > 1
     }
 
-    /// The own part of `whole`, `len` numbers for every cell of the whole mesh.
-    pub fn own_part(&self, whole: &[f64]) -> Vec<f64> {
-        numbers_of(self.own.iter().copied(), whole, whole.len() / self.whole)
-    }
-
     /// The local numbers of the own cells in a range of cells of the whole mesh, in the order of the whole mesh.
     fn own_within(&self, range: &Range<usize>) -> impl Iterator<Item = usize> + '_ {
         let before = |end: usize| self.sorted.partition_point(|(cell, _)| *cell < end);

@@ -9,7 +9,7 @@
 //! velocity Omega, w is relative to the frame, and a contains the centrifugal acceleration - Omega x (Omega x r). The Coriolis force does no work.
 
 use crate::error::{InvalidParameter, finite};
-use crate::state::Conserved;
+use crate::state::{Conserved, lifted};
 use tensor::{Over, Real, dot};
 
 /// The meaning of the data of the source at a point.
@@ -76,7 +76,7 @@ impl<const D: usize> Source<D> {
     #[inline(always)]
     pub(crate) fn at<T: Over<G>, G: Real, const M: usize>(&self, u: &[T; M], data: &[G; M]) -> [T; M] {
         match self {
-            Source::Given => given(u, data),
+            Source::Given => lifted(data),
             Source::Acceleration => body_force::<T, G, D, M>(u, data),
             Source::Rotating(rotation) => rotation.with_coriolis(u, body_force::<T, G, D, M>(u, data)),
             Source::Sponge { target } => {
@@ -88,16 +88,6 @@ impl<const D: usize> Source<D> {
             }
         }
     }
-}
-
-/// `data` as numbers of the state.
-#[inline(always)]
-fn given<T: Over<G>, G: Real, const M: usize>(u: &[T; M], data: &[G; M]) -> [T; M] {
-    let mut s = *u;
-    for c in 0..M {
-        s[c] = T::lift(data[c]);
-    }
-    s
 }
 
 /// (0, rho a, rho w . a)

@@ -117,6 +117,16 @@ pub(crate) fn scaled<T: Real, const D: usize>(a: &[T; D], factor: T) -> [T; D] {
     b
 }
 
+/// Numbers of the geometry, or given ones, as numbers of the state.
+#[inline(always)]
+pub(crate) fn lifted<T: Over<G>, G: Real, const N: usize>(a: &[G; N]) -> [T; N] {
+    let mut lifted = [T::lift(a[0]); N];
+    for i in 1..N {
+        lifted[i] = T::lift(a[i]);
+    }
+    lifted
+}
+
 /// a . n, of a vector of the state with a vector of the geometry.
 #[inline(always)]
 pub(crate) fn along<T: Over<G>, G: Real, const D: usize>(a: &[T; D], n: &[G; D]) -> T {

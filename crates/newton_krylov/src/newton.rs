@@ -48,8 +48,8 @@ pub struct Settings {
     /// When the driver gives up because the residual has stopped falling; `None`: never. If set, a failed solve ends at
     /// the iterate with the least residual.
     pub stall: Option<Stall>,
-    /// When the driver gives up because its steps stay short; `None`: never.
-    pub short_steps: Option<ShortSteps>,
+    /// When the driver gives up because its steps lead nowhere; `None`: never.
+    pub fruitless_steps: Option<FruitlessSteps>,
     /// A linear solve that fails is still used if it leaves at most this fraction of the residual.
     pub usable_linear_residual: f64,
     /// The accuracy of the linear solves.
@@ -71,10 +71,10 @@ pub struct Stall {
     pub factor: f64,
 }
 
-/// The driver gives up after `steps` short steps in a row, each at most a quarter of its increment, if together they leave more than `left`
-/// of the residual. Attempts at these steps that were rejected count, too.
+/// The driver gives up after `steps` fruitless steps in a row, if together they leave more than `left` of the residual. A step is fruitless if
+/// it is at most a quarter of its increment, or is damped and raises the residual. Attempts at these steps that were rejected count, too.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShortSteps {
+pub struct FruitlessSteps {
     /// The number of steps.
     pub steps: usize,
     /// The part of the residual.
@@ -91,7 +91,7 @@ impl Default for Settings {
             max_steps: 30,
             divergence: 1e6,
             stall: None,
-            short_steps: None,
+            fruitless_steps: None,
             usable_linear_residual: 0.9,
             forcing: forcing::Settings::default(),
             krylov: fgmres::Settings::default(),

@@ -52,7 +52,7 @@ pub struct CheckpointInfo {
 /// Reads the contents of the result file at `path`, and checks them.
 ///
 /// # Errors
-/// As [`crate::read_checkpoint`].
+/// As [`crate::ResultReader::open`].
 pub fn inspect(path: &Path) -> Result<ResultInfo, OutputError> {
     let file = open(path)?;
     read(&file).map_err(|error| damaged(path, &error))

@@ -87,7 +87,7 @@ pub use line_file::LineFile;
 pub use poly_data::PolyData;
 pub use reader::ResultReader;
 pub use rest_mesh::RestMesh;
-pub use result_file::{Kept, RESULT_FILE, ResultFile, open_checkpoint, read_checkpoint};
+pub use result_file::{Kept, RESULT_FILE, ResultFile, read_checkpoint};
 pub use series::Series;
 pub use shared_file::SharedFile;
 pub use slice_series::SliceSeries;

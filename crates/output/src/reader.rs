@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use hdf5::{File, Hyperslab, SliceOrIndex};
 
+use crate::checkpoint::Checkpoint;
 use crate::error::OutputError;
 use crate::format::{self, Metadata};
 use crate::layout::FileLayout;
 use crate::result_file::{damaged, open};
 use crate::series::{self, Series};
-use crate::vtkhdf;
+use crate::{state, vtkhdf};
 
 /// A published result file, open for reading. It remains readable when a running program publishes a newer one.
 #[derive(Debug)]
@@ -28,7 +29,8 @@ impl ResultReader {
     /// Opens the result file at `path`.
     ///
     /// # Errors
-    /// As [`crate::read_checkpoint`].
+    /// [`OutputError::NoResult`] if there is no file, [`OutputError::Damaged`] if it is damaged, [`OutputError::Version`] if its format is not
+    /// supported.
     pub fn open(path: &Path) -> Result<Self, OutputError> {
         let file = open(path)?;
         let read = || {
@@ -37,6 +39,16 @@ impl ResultReader {
         };
         let (metadata, layout, times) = read().map_err(|error: hdf5::Error| damaged(path, &error))?;
         Ok(Self { path: path.to_owned(), file, metadata, layout, times })
+    }
+
+    /// The checkpoint, for any case. The arrays that stay `in_file` are not read yet.
+    ///
+    /// # Errors
+    /// [`OutputError::Damaged`] if it cannot be read.
+    pub fn checkpoint(&self, in_file: &[&str]) -> Result<Checkpoint, OutputError> {
+        let read = || state::read(&self.file.group(format::GROUP)?, in_file);
+        let (state, in_file) = read().map_err(|error| damaged(&self.path, &error))?;
+        Ok(Checkpoint::new(state, in_file, self.path.clone()))
     }
 
     /// The coefficients `name` of a step, last axis fastest; none if the file has no array of this name.

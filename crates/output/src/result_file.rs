@@ -13,6 +13,7 @@ use crate::files::{file_error, partial, publish};
 use crate::format::{self, FORMAT_VERSION, Metadata};
 use crate::lagrange::vtk_order;
 use crate::layout::{ArraySpec, FileLayout};
+use crate::reader::ResultReader;
 use crate::state::{self, ArrayInParts, SolverState};
 use crate::step::{Step, StepInParts, checked};
 use crate::{hdf, seal, series, vtkhdf};
@@ -84,10 +85,12 @@ impl ResultFile {
         accept: impl FnOnce(&Metadata, &SolverState) -> Result<(), String>,
     ) -> Result<(Self, Checkpoint), OutputError> {
         let path = directory.path().join(RESULT_FILE);
-        let (metadata, checkpoint, layout) = match read(&path, in_file) {
+        let earlier = match ResultReader::open(&path) {
             Err(OutputError::NoResult { path }) => return Err(OutputError::NoCheckpoint { path }),
-            read => read?,
+            opened => opened?,
         };
+        let checkpoint = earlier.checkpoint(in_file)?;
+        let ResultReader { metadata, layout, .. } = earlier;
         accept(&metadata, &checkpoint.state).map_err(|difference| OutputError::OtherCase { path, difference })?;
         let mut result = Self::new(directory, layout);
         result.now = (metadata.case_text != now.case_text).then(|| now.clone());
@@ -281,28 +284,11 @@ impl Drop for ResultFile {
 /// Reads the checkpoint of a result file, for any case.
 ///
 /// # Errors
-/// [`OutputError::NoResult`] if there is no file, [`OutputError::Damaged`] if it is damaged, [`OutputError::Version`] if its format is not supported.
+/// As [`ResultReader::open`].
 pub fn read_checkpoint(path: &Path) -> Result<(Metadata, SolverState), OutputError> {
-    read(path, &[]).map(|(metadata, checkpoint, _)| (metadata, checkpoint.state))
-}
-
-/// The checkpoint of a result file, for any case. The arrays that stay `in_file` are not read yet.
-///
-/// # Errors
-/// As [`read_checkpoint`].
-pub fn open_checkpoint(path: &Path, in_file: &[&str]) -> Result<Checkpoint, OutputError> {
-    read(path, in_file).map(|(_, checkpoint, _)| checkpoint)
-}
-
-fn read(path: &Path, in_file: &[&str]) -> Result<(Metadata, Checkpoint, FileLayout), OutputError> {
-    let file = open(path)?;
-    let read = || {
-        let (group, vtkhdf) = (file.group(format::GROUP)?, file.group("VTKHDF")?);
-        let layout = format::read_layout(&group, &vtkhdf)?;
-        let (state, in_file) = state::read(&group, in_file)?;
-        Ok((format::read_metadata(&group)?, Checkpoint::new(state, in_file, path.to_owned()), layout))
-    };
-    read().map_err(|error: hdf5::Error| damaged(path, &error))
+    let result = ResultReader::open(path)?;
+    let checkpoint = result.checkpoint(&[])?;
+    Ok((result.metadata, checkpoint.state))
 }
 
 /// Opens a result file for reading after a check of its seal and of its format version, because libhdf5 may crash on

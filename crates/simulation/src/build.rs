@@ -7,7 +7,7 @@ pub use mesh_motion::{PrescribedNode, elasticity_plan, mover, mover_of, prescrib
 pub use structure::{StructureAtStart, solid, structure_at_start, structure_march, supported};
 
 use super::bodies::bodies;
-use case::{Case, Data, Flow, Jacobian, PointData, Preconditioner, Predictor, Source, State};
+use case::{BoundaryData, Case, Flow, Jacobian, Preconditioner, Predictor, Source, State};
 use coupled::{
     Discretisation, Discretised, FlowMarch, LaggedPreconditioner, MeshMotion, MeshMover, Method, Schedule, StartLayer,
     System,
@@ -206,11 +206,7 @@ where
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
-    let field = |data: &Data<D>| match data {
-        Data::State(state) => Arc::new(Exact(state.clone())) as Arc<dyn StateField<D, M>>,
-        Data::Values(values) => Arc::new(PointData::clone(values)),
-    };
-    let data = flow.boundary.iter().map(|boundary| boundary.data.as_ref().map(field)).collect();
+    let data = flow.boundary.iter().map(BoundaryData::field).collect();
     let conditions = flow.boundary.iter().map(|boundary| boundary.condition).collect();
     Problem { kernels: flow.law.kernels(conditions), data, source: source(flow) }
 }

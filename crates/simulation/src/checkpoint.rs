@@ -4,7 +4,7 @@ use crate::error::Failure;
 use case::Time;
 use coupled::blocks::Counts;
 use coupled::preconditioner::{Ordering, TimeScales};
-use coupled::{Interval, JacobianReusePolicy, Linearisation, Past, State};
+use coupled::{EasedStart, Interval, JacobianReusePolicy, Linearisation, Past, State};
 use output::{Arrays, SolverState};
 use std::sync::Arc;
 
@@ -49,6 +49,9 @@ pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> Solv
     put("pending", pending);
     put("failed", state.failed.iter().flat_map(numbers).collect());
     put("step", vec![state.step]);
+    if let Some(EasedStart { attempts, thickness, totals }) = &state.eased {
+        put("eased_start", [&[*attempts as f64, *thickness], &totals[..]].concat());
+    }
     state.bodies.iter().enumerate().for_each(|(body, stored)| put(&format!("body.{body}"), stored.clone()));
     if let Some(past) = &state.past {
         put("past.interval", numbers(&past.interval).to_vec());
@@ -92,6 +95,7 @@ pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Linearis
         slab: integer("slab")?,
         nominal: integer("nominal")?,
         rejected: integer("rejected").unwrap_or_default(),
+        eased: array("eased_start").and_then(|numbers| eased_start(&numbers)),
         time: *array("time")?.first()?,
         u: array(FLOW)?,
         d: array("displacement")?,
@@ -117,6 +121,12 @@ pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Linearis
     let lengths = [state.d.len(), time.order * state.d.len(), time.order * state.u.len()];
     let fits = [past, made_of].into_iter().flatten().all(|found| found == lengths);
     fits.then_some((state, frozen, integer("stale")? != 0))
+}
+
+/// Back from numbers.
+fn eased_start(numbers: &[f64]) -> Option<EasedStart> {
+    let [attempts, thickness, totals @ ..] = numbers else { return None };
+    Some(EasedStart { attempts: *attempts as usize, thickness: *thickness, totals: totals.to_vec() })
 }
 
 /// Replaces `state`, that of a march without a flow, by the stored one. `None` if it does not fit the mesh.

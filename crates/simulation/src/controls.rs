@@ -127,7 +127,7 @@ pub fn update<const D: usize>(
 fn not_positive<const D: usize>(case: &Case<D>, t: f64) -> Option<String> {
     let flow = case.flow.as_ref()?;
     case.controls.iter().find_map(|control| {
-        let NotPositive { boundary, key, x, value } = flow.not_positive_by(control, &case.mesh, t)?;
+        let NotPositive { boundary, key, x, value, .. } = flow.not_positive_by(control, &case.mesh, t)?;
         let (name, number) = (&control.name, control.value.get());
         Some(format!(
             "the control `{name}` has become {number} at t = {t}: with it `{key}` of the boundary `{boundary}` is {value} at {x:?}, and must be \

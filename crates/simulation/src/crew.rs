@@ -153,13 +153,18 @@ fn advance<const D: usize, const M: usize>(march: &mut FlowMarch<D, M>) -> anyho
     let numbers = [state.time, state.step].into_iter().chain(state.d.iter().chain(bodies).copied());
     let communicator = march.solver.system.flow.operator.share.sums.communicator();
     let other = if communicator.size() > 1 { first_other(&**communicator, digest(numbers)) } else { None };
-    other.map_or(Ok(report), |rank| {
-        Err(anyhow::anyhow!(
-            "process {rank} has found another mesh than process 0 at t = {}: every process solves for the mesh, and processors of different \
-             types round differently; start all processes on machines of one type, and resume the run",
-            state.time
-        ))
-    })
+    other.map_or(Ok(report), |rank| Err(OtherMesh { rank, time: state.time }.into()))
+}
+
+/// A rank has found another mesh. The slab is done, and nothing of it is recorded.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "process {rank} has found another mesh than process 0 at t = {time}: every process solves for the mesh, and processors of different types round \
+     differently; start all processes on machines of one type, and resume the run"
+)]
+pub struct OtherMesh {
+    rank: usize,
+    time: f64,
 }
 
 /// The march of the share of this rank. A collective call.

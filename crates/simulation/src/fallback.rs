@@ -8,7 +8,7 @@
 
 use super::{build, checkpoint};
 use case::{Case, Fallback, Flow, State};
-use coupled::FlowMarch;
+use coupled::{Counts, FlowMarch};
 use elasticity::ElasticityError;
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, Manufactured, NavierStokes};
@@ -28,14 +28,15 @@ pub fn split_form<const D: usize>(case: &Case<D>, flow: &Flow<D>) -> Option<Flow
     flow.in_split_form(&case.mesh).filter(|_| case.solver.fallback == Fallback::SplitForm)
 }
 
-/// `stored`, the state before a slab that could not be solved after `rejected` attempts, as one from which the flow goes on in a split form.
-pub fn in_split_form(mut stored: Checkpoint, rejected: usize) -> Checkpoint {
+/// `stored`, the state before a slab that could not be solved, as one from which the flow goes on in a split form. The attempts since then were
+/// `rejected` so often, and have cost `counts`.
+pub fn in_split_form(mut stored: Checkpoint, rejected: usize, counts: Counts) -> Checkpoint {
     let time = stored.state.arrays.get("time").cloned().unwrap_or_default();
     stored.state.arrays.insert(SINCE.into(), time);
     // The whole slab is tried again; the carried determinants and the preconditioner were those of another quadrature.
-    let goes =
-        |name: &str| name.starts_with("frozen.") || ["failed", "determinants", checkpoint::ATTEMPTS].contains(&name);
+    let goes = |name: &str| name.starts_with("frozen.") || ["failed", "determinants"].contains(&name);
     stored.retain_arrays(|name| !goes(name));
+    checkpoint::store_attempts(&mut stored.state, counts);
     stored.state.arrays.insert("pending".into(), Vec::new().into());
     stored.state.integers.extend([("stale".into(), 1), ("rejected".into(), rejected as i64)]);
     stored

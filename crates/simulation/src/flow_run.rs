@@ -7,6 +7,7 @@ mod steady_start;
 use super::averages::{AverageSums, add_slab};
 use super::bodies::is_of_body;
 use super::body_record::BodyRecord;
+use super::boundary_values::not_positive;
 use super::context::{RunContext, Stop};
 use super::crew::{self, Crew, OfCells, Order, Orders, Own, Together, begin_averages};
 use super::drive::{Call, Run, drive};
@@ -23,7 +24,7 @@ use crate::session::Session;
 use basis::Rule;
 use case::{Case, Flow, State};
 use coupled::block::BodyState;
-use coupled::{FlowMarch, MarchError, SlabError, SlabReport};
+use coupled::{Counts, FlowMarch, MarchError, SlabError, SlabReport};
 use fem::{Layout, StateField};
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use output::{ArraySpec, Checkpoint, OutputError, Summary};
@@ -145,9 +146,11 @@ where
         fallback::split_form(self.case, &self.flow).is_some()
     }
     fn falls_back_after(&self, error: &anyhow::Error) -> bool {
-        let cause = error.downcast_ref::<MarchError>().map(|error| &error.source);
-        let is_of_flow = cause.is_some_and(|cause| cause.is_of_flow() || matches!(cause, SlabError::Guess(_)));
-        is_of_flow && self.can_fall_back()
+        let Some(MarchError { source, interval, .. }) = error.downcast_ref::<MarchError>() else { return false };
+        let is_of_flow = source.is_of_flow() || matches!(source, SlabError::Guess(_));
+        let (problem, mover) = ((self.case, &*self.flow), &self.march.solver.system.mesh.mover);
+        // No other form has a solution for a boundary value that no gas has.
+        is_of_flow && self.can_fall_back() && not_positive(problem, mover, &self.march.state.d, *interval).is_none()
     }
     fn awaits_start(&self, statistics: &RunStatistics) -> bool {
         self.case.solver.steady.is_some() && self.state().slab == 0 && statistics.steady.is_none()
@@ -220,17 +223,23 @@ where
         [row, self.observed()].concat()
     }
 
+    fn counts(&self) -> Counts {
+        self.march.solver.system.counts()
+    }
+
     fn store(&self) -> Stored<'_> {
         let mut stored = self.crew.store(self.own());
-        checkpoint::store_attempts(&mut stored.state, self.march.solver.system.counts());
+        checkpoint::store_attempts(&mut stored.state, self.counts());
         stored
     }
 
     fn restore(&mut self, stored: &Checkpoint) -> Result<(), Failure> {
+        self.crew.restore(self.case, &mut self.flow, stored, (&mut self.march, &mut self.averages))?;
+        // The system may be another one now.
         if let Some(counts) = checkpoint::attempts(&stored.state) {
             self.march.solver.system.set_counts(counts);
         }
-        self.crew.restore(self.case, &mut self.flow, stored, (&mut self.march, &mut self.averages))
+        Ok(())
     }
 
     fn summary(&mut self, context: &RunContext, stop: Option<&Stop>) -> Summary {

@@ -139,6 +139,7 @@ pub mod bench;
 mod bodies;
 mod body_checks;
 mod body_record;
+mod boundary_values;
 mod build;
 mod cell_finder;
 mod cells;

@@ -84,8 +84,9 @@ pub fn read<const D: usize, const M: usize>(
     if !path.exists() {
         return Err(Failure::bad_input(RestartError::Missing { path }));
     }
-    let stored = output::open_checkpoint(&path, &OfCells::names())?;
-    let origin = Origin { result: ResultReader::open(&path)?, path, stored };
+    let result = ResultReader::open(&path)?;
+    let stored = result.checkpoint(&OfCells::names())?;
+    let origin = Origin { path, result, stored };
     let start = origin.continued::<D, M>(case, flow, mover).map_err(Failure::bad_input)?;
     // A run that searches the steady flow anew has none of its distributions.
     let names =

@@ -5,11 +5,11 @@ use output::Metadata;
 
 /// The settings that may change, and another way, for the end of a message.
 const MAY_CHANGE: &str = "only the end of the run, `time.adaptive`, `[solver]` without `steady.bodies`, tables after the checkpoint, and in `[output]` all but fields, \
-                          formulas, points, integrals and averages may change; with `restart.from` and another output directory a new run starts from \
-                          the flow of this one";
+                          formulas, points, integrals and averages may change; where there is a flow, a new run starts from it with `restart.from` and \
+                          another output directory";
 
 /// The remedy where a table has become longer, for the end of a message.
-const LONGER_TABLE: &str = "begin anew with `--force`, or start a new run from the flow of this one with `restart.from` and another \
+const LONGER_TABLE: &str = "begin anew with `--force`, or, where there is a flow, start a new run from it with `restart.from` and another \
                             output directory; a table that goes on for 20 points after `time.end` can be made longer later";
 
 /// Decides whether a run continues from a checkpoint of the run `before`, which has `reached` a time, and logs the settings that change.

@@ -5,7 +5,7 @@ use super::fallback;
 use super::openings::Record;
 use super::walls::{WallLoads, numbers_per_wall, to_numbers};
 use coupled::block::BodyState;
-use coupled::{EasedStart, MeshQuality, Reliability, SlabReport, Stability, SteadyFlow, StructureReport};
+use coupled::{Counts, EasedStart, MeshQuality, Reliability, SlabReport, Stability, SteadyFlow, StructureReport};
 use navier_stokes::Conserved;
 use output::Arrays;
 use std::array::from_fn;
@@ -175,6 +175,17 @@ fn worse(error: f64, other: f64) -> f64 {
 }
 
 impl RunStatistics {
+    /// What the run has cost since `before`, with the `attempts` at the next slab.
+    pub fn counts_since(&self, before: &Self, attempts: Counts) -> Counts {
+        let since = |now: u64, then: u64| now.saturating_sub(then) as usize;
+        Counts {
+            residuals: attempts.residuals + since(self.residuals, before.residuals),
+            products: attempts.products + since(self.products, before.products),
+            elasticity_iterations: attempts.elasticity_iterations + since(self.elasticity, before.elasticity),
+            ..attempts
+        }
+    }
+
     /// Adds a slab, with the loads of the walls.
     pub fn add<const D: usize, const M: usize>(&mut self, report: &SlabReport<M>, loads: &[WallLoads<D>]) {
         self.rejected += report.rejected as u64;
@@ -188,7 +199,7 @@ impl RunStatistics {
         self.residuals += report.counts.residuals as u64;
         self.products += (report.counts.products + report.counts.mesh_products) as u64;
         self.add_quality(report.quality);
-        if let Some(EasedStart { thickness, totals }) = &report.eased {
+        if let Some(EasedStart { thickness, totals, .. }) = &report.eased {
             (self.start_layer, self.totals_at_start) = (Some(*thickness), totals.clone());
         }
         self.left.resize(M, 0.0);

@@ -210,6 +210,7 @@ fn of_opening(statistics: &RunStatistics, boundary: usize) -> Opening {
         leaving: seen(Misuse::Leaving),
         backflow: seen(Misuse::Backflow),
         subsonic: seen(Misuse::Subsonic),
+        overtaking: seen(Misuse::Overtaking),
     }
 }
 

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{checkpoint, column, number, on_case, summary};
+use common::{checkpoint, column, number, on_case, stsolve, summary};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -54,5 +54,50 @@ fn a_cell_that_inverts_stops_the_run_at_the_last_good_slab() {
         assert!(summary(&run)["reason"].as_str().unwrap().contains("det J"));
         // Halved to 0.2, which fails again, and to 0.1, which succeeds.
         assert_eq!(column(&run, "rejected"), [0.0, 0.0, 2.0]);
+    }
+}
+
+/// A boundary value that is negative for a while, between the times at which `check` looks: some runs went on with it, others blamed the mesh.
+#[test]
+fn boundary_values_that_no_gas_has_are_named() {
+    let directory = TempDir::new().unwrap();
+    let case = r#"
+        mesh = { order = 2, generate = { box = { lower = [0, 0], upper = [2, 0.5], cells = [4, 1] } } }
+        flow.order = 3
+        flow.reference = { density = 1, speed = 1, pressure = 1 }
+        flow.initial = { uniform = { velocity = [W, 0], pressure = 1 } }
+        time = { order = 2, end = 1, step = 0.1 }
+        flow.boundary = { CONDITION }
+    "#;
+    let dips = "1 - 1.2*exp(-((t - 0.4)/0.03)^2)";
+    let cases = [
+        (
+            "temperature",
+            "0",
+            "left = { velocity_inflow = { velocity = [0.3, 0], temperature = \"DIPS\" } }, others = \"slip_wall\"",
+        ),
+        (
+            "density",
+            "2.4",
+            "left = { supersonic_inflow = { expression = { density = \"DIPS\", velocity = [2.4, 0], pressure = 1 } } }, others = { outflow = { pressure = 1 } }",
+        ),
+        ("pressure", "0.3", "right = { outflow = { pressure = \"DIPS\" } }, others = \"slip_wall\""),
+        (
+            "density",
+            "0.3",
+            "left = { prescribed_state = { expression = { density = \"DIPS\", velocity = [0.3, 0], pressure = 1 } } }, others = \"slip_wall\"",
+        ),
+    ];
+    for (key, speed, condition) in cases {
+        let text = case.replace("CONDITION", condition).replace("DIPS", dips).replace('W', speed);
+        std::fs::write(directory.path().join("case.toml"), text).unwrap();
+        let outcome = stsolve(directory.path(), &["run", "case.toml", "--output", "run", "--force"]);
+        let boundary = if condition.starts_with("left") { "left" } else { "right" };
+        let cause = format!("likely cause: `{key}` of the boundary `{boundary}` is -");
+        outcome.expect(1, &[&cause, "and must be positive", &format!("`flow.boundary.{boundary}`")]);
+        let told = outcome.stderr.clone() + &outcome.stdout;
+        assert!(!told.contains("split form"), "{told}");
+        let t = number(&summary(&directory.path().join("run")), "time");
+        assert!(t > 0.25 && t < 0.4, "{key} at {t}");
     }
 }

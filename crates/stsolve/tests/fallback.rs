@@ -7,6 +7,7 @@ mod common;
 use case::AnyCase;
 use common::{assert_conserves, assert_same_bits, column, number, shipped, stsolve, summary};
 use ranks::Threads;
+use serde_json::Value;
 use simulation::{Destination, Existing, Failure, Observer, SlabDone};
 use std::path::Path;
 use std::sync::Mutex;
@@ -79,6 +80,12 @@ fn a_run_goes_back_and_on_in_a_split_form_and_says_so() {
     // With the parts of the slab that were tried.
     assert!(rejected.iter().sum::<f64>() > 1.0 && number(&summary, "rejected_slabs") == rejected.iter().sum::<f64>());
     assert_conserves(&summary);
+    // So do their products count, as in a run that ends there.
+    let ended = TempDir::new().unwrap();
+    run(ended.path(), &["solver.fallback=none"], Existing::Keep, &Watch::new(f64::INFINITY)).unwrap_err();
+    let wasted = |summary: &Value| number(summary, "cost.jacobian_products") - number(summary, "krylov.total");
+    let [with, without] = [&summary, &common::summary(ended.path())].map(wasted);
+    assert!(with >= without && without > 50.0, "{with} and {without} products for attempts that were rejected");
 }
 
 /// The warning blamed the mesh, also if too few Newton steps were allowed.

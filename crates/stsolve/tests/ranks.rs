@@ -298,21 +298,22 @@ fn more_ranks_than_blocks_are_refused() {
 #[test]
 fn a_full_disk_ends_all_ranks_with_the_same_message_and_the_last_good_state() {
     let (directory, half) = (TempDir::new().unwrap(), [&VORTEX[..], &["time.end=0.4"]].concat());
-    let message = |ranks: usize| {
+    let message = |sharing: Option<FileSharing>, ranks: usize| {
         let run_directory = directory.path().join(ranks.to_string());
         run(ranks, 1, "vortex", &changes(&half), &run_directory, Existing::Keep);
         let (result, working) = (run_directory.join("result.vtkhdf"), run_directory.join("result.vtkhdf.partial"));
         let before = std::fs::read(&result).unwrap();
         std::os::unix::fs::symlink("/dev/full", &working).unwrap();
-        let failed = attempt((ranks, 1), "vortex", &changes(&VORTEX), (&run_directory, Existing::Resume));
+        let resumed = (&*run_directory, Existing::Resume);
+        let failed = attempt_with(sharing, (ranks, 1), "vortex", &changes(&VORTEX), resumed);
         let Err(Failure::BadInput(error) | Failure::Solve(error)) = failed else { panic!("{failed:?}") };
         assert_eq!(std::fs::read(&result).unwrap(), before, "{ranks} ranks");
         let words: Vec<String> = error.chain().map(ToString::to_string).collect();
         words.join(": ").replace(&*run_directory.to_string_lossy(), "RUN")
     };
-    let one = message(1);
+    let one = message(None, 1);
     assert!(one.contains("No space left on device") && one.contains("--resume"), "{one}");
-    assert_eq!(message(3), one);
+    assert_eq!([message(None, 3), message(Some(FileSharing::Threads), 2)], [&*one, &*one]);
     run(2, 1, "vortex", &changes(&VORTEX), &directory.path().join("3"), Existing::Resume);
     run(1, 1, "vortex", &changes(&VORTEX), &directory.path().join("whole"), Existing::Keep);
     assert_same_bits(&directory.path().join("whole"), &directory.path().join("3"), "resumed after a full disk");

@@ -4,9 +4,12 @@
 
 mod common;
 
-use common::{assert_conserves, column, finished, number, on_case, summary};
+use case::AnyCase;
+use common::{assert_conserves, assert_same_bits, column, finished, number, on_case, shipped, summary};
 use serde_json::Value;
+use simulation::{Destination, Existing, Failure, Observer};
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use tempfile::TempDir;
 
 /// A cylinder at Re = 1e4 and M = 0.4 that stands in a uniform flow at once: with long slabs and coarse cells Newton's method does not solve
@@ -62,4 +65,33 @@ fn no_layer_where_the_case_forbids_it() {
     on_case(directory.path(), "run", "cylinder_street", &set, "run", &[]);
     let summary = summary(&directory.path().join("run"));
     assert!(summary.get("start_layer").is_none() && number(&summary, "rejected_slabs") >= 1.0, "{summary}");
+}
+
+/// Asks for a stop when it is asked for the second time: after the first attempt at the first slab.
+#[derive(Default)]
+struct AfterOneAttempt(AtomicUsize);
+
+impl Observer for AfterOneAttempt {
+    fn is_stop_requested(&self) -> bool {
+        self.0.fetch_add(1, Ordering::Relaxed) > 0
+    }
+}
+
+/// A resumed run took the layer for the initial state: it had other bits, and the energy of the layer was missing from its balance.
+#[test]
+fn a_run_that_is_stopped_before_its_first_slab_resumes_with_the_same_bits() {
+    let (directory, changes) = (TempDir::new().unwrap(), SUDDEN.map(str::to_owned));
+    let case = AnyCase::read(Path::new(&shipped("cylinder_street.toml")), &changes).unwrap();
+    let at = |name: &str| directory.path().join(name);
+    let run = |name: &str, existing, observer: &dyn Observer| {
+        simulation::run(&case, &Destination { directory: at(name), existing }, observer).map(drop)
+    };
+    run("whole", Existing::Keep, &()).unwrap();
+    assert!(matches!(run("stopped", Existing::Keep, &AfterOneAttempt::default()), Err(Failure::Stopped)));
+    assert_eq!(number(&summary(&at("stopped")), "slabs"), 0.0);
+    run("stopped", Existing::Resume, &()).unwrap();
+    assert_same_bits(&at("whole"), &at("stopped"), "resumed within the first slab");
+    let layers = ["whole", "stopped"].map(|name| number(&summary(&at(name)), "start_layer"));
+    assert_eq!(layers[0], layers[1]);
+    assert_conserves(&summary(&at("stopped")));
 }

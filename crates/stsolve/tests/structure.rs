@@ -273,3 +273,37 @@ fn damping_is_no_numerical_dissipation() {
         ["damped", "numerical_dissipation"].map(|name| number(&told["bodies"]["structure"], name));
     assert!(damped > 1e-4 && numerical.abs() < 1e-3 * damped, "{damped:e} {numerical:e}");
 }
+
+/// A support that bends or jumps within a slab stayed where the quadrature of its velocity had taken it.
+#[test]
+fn supports_reach_the_position_that_a_case_prescribes() {
+    let directory = TempDir::new().unwrap();
+    let case = r#"
+        mesh = { order = 3, generate = { box = { lower = [0, 0], upper = [1, 1], cells = [3, 3] } } }
+        time = { order = 2, end = 1, slabs = 10 }
+        [structure]
+        young_modulus = 10
+        poisson_ratio = 0.3
+        density = 1
+        points = { moved = [1, 1] }
+        [structure.boundary]
+        left = "fixed"
+        right = { displacement = ["WAY", 0] }
+        others = "free"
+    "#;
+    for (way, end) in [("0.1*min(t/0.33, 1)", 0.1), ("if(t < 0.5, 0, 0.1)", 0.1), ("0.01*sin(40*pi*t)", 0.0)] {
+        std::fs::write(directory.path().join("case.toml"), case.replace("WAY", way)).unwrap();
+        let run = ["run", "case.toml", "--output", "run", "--force", "--set", "time.order=1"];
+        for arguments in [&run[..5], &run] {
+            stsolve(directory.path(), arguments).expect(0, &[]);
+            let at = directory.path().join("run");
+            let moved = *column(&at, "moved_x").last().unwrap();
+            assert!((moved - end).abs() < 1e-13, "{way}: {moved}");
+            let error = number(&summary(&at), "structure.energy_error");
+            assert!(
+                error.abs() < 1e-10 * number(&summary(&at), "structure.support_work").abs().max(1e-3),
+                "{way}: {error}"
+            );
+        }
+    }
+}

@@ -10,7 +10,7 @@ use navier_stokes::{Boundary, Compiled, Exact, NavierStokes, Riemann, Viscosity}
 use newton_krylov::operator::Preconditioner;
 use ranks::{Communicator, Sums, Threads};
 use std::sync::Arc;
-use verification::{Noise, RULES, free_stream, law, prescribed, relative_difference};
+use verification::{Noise, RULES, free_stream, law, own_part, prescribed, relative_difference};
 
 const N: usize = 3;
 
@@ -109,7 +109,7 @@ fn applied(mesh: &Mesh<2>, blocks: &Blocks, most: usize, ranks: usize) -> Vec<u6
         let operator = slab_of(mesh, share);
         let scales = TimeScales { dt: 0.1, damping: 0.0 };
         let mut levels = TwoLevel::<f32>::with_aggregates(&operator, scales, None, (CoarseLevelUse::Always, most));
-        let r = operator.share.own_part(&Noise::new(3).vector(mesh.n_cells() * operator.layout.cell_len(), 1.0));
+        let r = own_part(&operator.share, &Noise::new(3).vector(mesh.n_cells() * operator.layout.cell_len(), 1.0));
         let mut z = vec![0.0; r.len()];
         levels.apply(&r, &mut z);
         operator.share.join(&z).iter().map(|z| z.to_bits()).collect()

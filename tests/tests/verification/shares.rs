@@ -7,7 +7,7 @@ use navier_stokes::exact::FreeStream;
 use navier_stokes::{AdiabaticWall, Boundary, Compiled, Exact, NavierStokes, Riemann, Viscosity};
 use ranks::{Communicator, Counting, Sums, Threads, Traffic};
 use std::sync::Arc;
-use verification::{Noise, RULES, Rule, curved_box, free_stream, law};
+use verification::{Noise, RULES, Rule, curved_box, free_stream, law, own_part};
 
 const BLOCKS: usize = 5;
 
@@ -62,7 +62,7 @@ impl<const D: usize> Setting<'_, D> {
         NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
     {
         let mut operator = self.operator::<M>(share);
-        let [bottom, state, direction] = self.cells.each_ref().map(|whole| operator.share.own_part(whole));
+        let [bottom, state, direction] = self.cells.each_ref().map(|whole| own_part(&operator.share, whole));
         let [displacement, velocities, along] = &self.nodes;
         operator.begin_slab(0.3, 0.1, Bottom::new(&bottom, displacement));
         operator.set_mesh(velocities);

@@ -4,13 +4,14 @@ use super::boundary_data::{BoundaryData, Data};
 use super::controls::Control;
 use super::flow::Flow;
 use super::mesh_crate::Mesh;
-use super::openings::{NodeAndNormal, nodes_with_normals};
+use super::openings::{NodeAndNormal, nodes_of_facets};
 use super::time::Time;
 use crate::checker::{Checked, Checker};
 use crate::expression::Program;
 use crate::key::Key;
 use crate::magnitude::{is_bounded, is_computable};
 use crate::point_data::PointData;
+use crate::state::State;
 use crate::vector::Vector;
 use navier_stokes::{Boundary, Outflow, VelocityInflow};
 
@@ -115,7 +116,7 @@ fn is_positive(value: f64) -> bool {
 }
 
 /// A value of a boundary condition that must be positive and is not.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct NotPositive {
     /// The name of the boundary.
     pub boundary: String,
@@ -123,24 +124,64 @@ pub struct NotPositive {
     pub key: &'static str,
     /// The place.
     pub x: Vec<f64>,
+    /// The time.
+    pub t: f64,
     /// The value there.
     pub value: f64,
+}
+
+/// The formulas of a condition that must be positive, by the names of their keys.
+pub(super) fn positive_formulas<const D: usize>(data: &BoundaryData<D>) -> Vec<(&'static str, &Program)> {
+    match &data.data {
+        Some(Data::State(State::Expression(state))) => {
+            vec![("density", &state.density), ("pressure", &state.pressure)]
+        }
+        _ => Named::of(data).map_or_else(Vec::new, |named| {
+            named.positive.into_iter().map(|(key, _, formula)| (key, formula)).collect()
+        }),
+    }
 }
 
 impl<const D: usize> Flow<D> {
     /// The first value at `t` on a boundary of `mesh` that contains `control`, must be positive and is not.
     pub fn not_positive_by(&self, control: &Control, mesh: &Mesh<D>, t: f64) -> Option<NotPositive> {
+        let contains = |formula: &Program| formula.is_controlled_by(&control.value);
+        self.not_positive_of(contains, mesh, |_, _, _| [0.0; D], &[t])
+    }
+
+    /// The first value at one of `times` on a boundary of `mesh` that must be positive and is not. Nodes have the `displacement` of (cell,
+    /// node of the cell, position at rest).
+    pub fn not_positive(
+        &self,
+        mesh: &Mesh<D>,
+        displacement: impl Fn(usize, usize, &[f64; D]) -> [f64; D],
+        times: &[f64],
+    ) -> Option<NotPositive> {
+        self.not_positive_of(|formula| formula.as_constant().is_none(), mesh, displacement, times)
+    }
+
+    /// The same, of the formulas that are `wanted`.
+    fn not_positive_of(
+        &self,
+        wanted: impl Fn(&Program) -> bool,
+        mesh: &Mesh<D>,
+        displacement: impl Fn(usize, usize, &[f64; D]) -> [f64; D],
+        times: &[f64],
+    ) -> Option<NotPositive> {
         let names = mesh.boundary_names().iter().enumerate();
         names.zip(&self.boundary).find_map(|((boundary, name), data)| {
-            let named = Named::of(data)?.positive.into_iter();
-            let controlled: Vec<_> = named.filter(|(.., formula)| formula.is_controlled_by(&control.value)).collect();
+            let formulas: Vec<_> = positive_formulas(data).into_iter().filter(|(_, formula)| wanted(formula)).collect();
             // Nearly all boundaries end here, without a list of their nodes.
-            let nodes = if controlled.is_empty() { Vec::new() } else { nodes_with_normals(mesh, boundary) };
-            let mut values = controlled
-                .iter()
-                .flat_map(|(key, _, formula)| nodes.iter().map(move |(x, _)| (*key, x, formula.evaluate(x, t))));
-            let (key, x, value) = values.find(|(.., value)| !is_positive(*value))?;
-            Some(NotPositive { boundary: name.clone(), key, x: x.to_vec(), value })
+            if formulas.is_empty() {
+                return None;
+            }
+            let facets = mesh.boundary_facets().iter().filter(|facet| facet.boundary == boundary);
+            let nodes = nodes_of_facets(mesh, facets, &displacement);
+            let places = times.iter().flat_map(|t| nodes.iter().map(move |(x, _)| (x, *t)));
+            let mut values = places
+                .flat_map(|(x, t)| formulas.iter().map(move |(key, formula)| (*key, x, t, formula.evaluate(x, t))));
+            let (key, x, t, value) = values.find(|(.., value)| !is_positive(*value))?;
+            Some(NotPositive { boundary: name.clone(), key, x: x.to_vec(), t, value })
         })
     }
 }

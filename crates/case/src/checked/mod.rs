@@ -4,6 +4,7 @@ mod about;
 mod averages;
 mod bodies;
 mod boundary_data;
+mod boundary_field;
 mod boundary_motion;
 mod controls;
 mod displacement;

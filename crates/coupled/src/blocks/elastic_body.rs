@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! R_s,a = (dynamics) - L_a                                        at free entries                                 (elastic body)
-//! R_s,a = D_a dt ( W_a - g'(s_a) )                                at entries that a support moves
+//! R_s,a = D_a dt ( W_a - V_a )                                    at entries that a support moves by V_a of (support)
 //! L_a,i = sum_q phi_a(s_q) L_q,i                                  the loads of the flow at its points in time
 //! ```
 //!

@@ -51,7 +51,7 @@ impl Reliability {
 /// A march in time from a steady flow that was disturbed slightly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stability {
-    /// |du/dt| in the last eighth of the march, relative to the least mean of an eighth before.
+    /// |du/dt| in the last eighth of the march, relative to the least mean of all eighths: 1 if it decays to the end.
     pub growth: f64,
     /// The time marched.
     pub duration: f64,

@@ -2,12 +2,12 @@
 
 use super::Condition;
 use super::given::{Given, Values};
-use super::no_slip::{lifted, wall_velocity};
+use super::no_slip::wall_velocity;
 use super::wall_pressure::wall_flux;
 use crate::error::{InvalidParameter, finite};
 use crate::flux::Stresses;
 use crate::law::NavierStokes;
-use crate::state::{Primitive, along, components};
+use crate::state::{Primitive, along, components, lifted};
 use fem::BoundaryPoint;
 use tensor::{Over, Real};
 

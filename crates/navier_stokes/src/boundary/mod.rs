@@ -233,13 +233,3 @@ fn through<T: Over<G>, G: Real, const D: usize, const M: usize>(
 ) -> [T; M] {
     inviscid_normal(&state.pack(gas), along(&state.velocity, n), state.pressure, n, dot(v, n))
 }
-
-/// `data` as numbers of the state.
-#[inline(always)]
-fn lifted<T: Over<G>, G: Real, const M: usize>(minus: &[T; M], data: &[G; M]) -> [T; M] {
-    let mut state = *minus;
-    for c in 0..M {
-        state[c] = T::lift(data[c]);
-    }
-    state
-}

@@ -1,7 +1,8 @@
 //! A prescribed state.
 
-use super::{Condition, lifted};
+use super::Condition;
 use crate::law::NavierStokes;
+use crate::state::lifted;
 use fem::BoundaryPoint;
 use tensor::{Over, Real, dot};
 
@@ -15,11 +16,10 @@ impl<const D: usize> Condition<D> for PrescribedState {
     fn state<T: Over<G>, G: Real, const M: usize>(
         &self,
         _law: &NavierStokes<D>,
-        minus: &[T; M],
+        _minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        let BoundaryPoint { data, .. } = at;
-        lifted(minus, data)
+        lifted(at.data)
     }
 
     #[inline(always)]
@@ -30,7 +30,7 @@ impl<const D: usize> Condition<D> for PrescribedState {
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
         let BoundaryPoint { normal: n, velocity: v, data } = at;
-        law.riemann.flux(&law.gas, minus, &lifted(minus, data), n, dot(v, n))
+        law.riemann.flux(&law.gas, minus, &lifted(data), n, dot(v, n))
     }
 
     #[inline(always)]

@@ -1,7 +1,8 @@
 //! Supersonic inflow of a given state.
 
-use super::{Condition, lifted};
+use super::Condition;
 use crate::law::NavierStokes;
+use crate::state::lifted;
 use fem::BoundaryPoint;
 use tensor::{Over, Real};
 
@@ -16,11 +17,10 @@ impl<const D: usize> Condition<D> for SupersonicInflow {
     fn state<T: Over<G>, G: Real, const M: usize>(
         &self,
         _law: &NavierStokes<D>,
-        minus: &[T; M],
+        _minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        let BoundaryPoint { data, .. } = at;
-        lifted(minus, data)
+        lifted(at.data)
     }
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! Subsonic inflow of given velocity, or mass flux, and temperature.
 
-use super::Condition;
 use super::given::Values;
+use super::{Condition, nothing};
 use crate::flux::Stresses;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along};
@@ -41,6 +41,22 @@ impl VelocityInflow {
     }
 }
 
+/// The flux `entering` where gas enters through the facet, and `leaving` elsewhere.
+#[inline(always)]
+fn where_entering<T: Over<G>, G: Real, const D: usize, const M: usize>(
+    stresses: &Stresses<T, D>,
+    BoundaryPoint { normal: n, velocity: v, .. }: BoundaryPoint<'_, G, D, M>,
+    entering: [T; M],
+    leaving: [T; M],
+) -> [T; M] {
+    let inward = -along(&stresses.velocity, n).minus(dot(v, n));
+    let mut flux = entering;
+    for m in 0..M {
+        flux[m] = inward.select_ge(inward.zero(), entering[m], leaving[m]);
+    }
+    flux
+}
+
 impl<const D: usize> Condition<D> for VelocityInflow {
     #[inline(always)]
     fn state<T: Over<G>, G: Real, const M: usize>(
@@ -59,14 +75,18 @@ impl<const D: usize> Condition<D> for VelocityInflow {
         stresses: &Stresses<T, D>,
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        let BoundaryPoint { normal: n, velocity: v, .. } = at;
-        let inward = -along(&stresses.velocity, n).minus(dot(v, n));
-        let (entering, leaving): ([T; M], [T; M]) = (stresses.normal_flux(n), stresses.leaving_flux(n));
-        let mut flux = entering;
-        for m in 0..M {
-            flux[m] = inward.select_ge(inward.zero(), entering[m], leaving[m]);
-        }
-        flux
+        let n = at.normal;
+        where_entering(stresses, at, stresses.normal_flux(n), stresses.leaving_flux(n))
+    }
+
+    /// None where gas leaves: see [`super::Outflow`].
+    #[inline(always)]
+    fn artificial_flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        stresses: &Stresses<T, D>,
+        at: BoundaryPoint<'_, G, D, M>,
+    ) -> [T; M] {
+        where_entering(stresses, at, stresses.normal_flux(at.normal), nothing(stresses.velocity[0]))
     }
 
     /// The state on the facet. With k = (gamma - 1) / 2 and R+ = w_n + c / k of the gas inside at its own entropy,

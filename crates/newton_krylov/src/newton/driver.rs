@@ -1,7 +1,7 @@
 //! A Newton solve, step by step.
 
 use super::tolerances::Tolerances;
-use super::{Convergence, Error, Report, Settings, ShortSteps, StepReport, Workspace, log};
+use super::{Convergence, Error, FruitlessSteps, Report, Settings, StepReport, Workspace, log};
 use crate::forcing::Previous;
 use crate::inner_product::{InnerProduct, axpy, copy, scale};
 use crate::operator::LinearSystem;
@@ -130,18 +130,21 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         self.settings.stall.is_some_and(|stall| self.report.steps.len() - self.best.progress >= stall.steps)
     }
 
-    /// The number of the last steps that were all short and have left most of the residual; `None` if there is no such number. An attempt
-    /// that was rejected counts as a short step.
-    fn leads_nowhere(&self, ShortSteps { steps, left }: ShortSteps) -> Option<usize> {
-        let short = self.report.steps.iter().rev().take_while(|step| step.step_length <= SHORT_STEPS.1);
-        let attempts = short.scan(0, |attempts, step| {
+    /// The number of the last steps that were all fruitless and have left most of the residual, with the norm before them; `None` if there
+    /// is no such number. An attempt that was rejected counts as a fruitless step.
+    fn leads_nowhere(&self, FruitlessSteps { steps, left }: FruitlessSteps) -> Option<(usize, f64)> {
+        let history = self.report.residual_history();
+        let with_norms = self.report.steps.iter().zip(&history).rev();
+        let fruitless = with_norms.take_while(|(step, before)| {
+            step.step_length <= SHORT_STEPS.1 || step.is_damped() && step.residual_norm > **before
+        });
+        let attempts = fruitless.scan(0, |attempts, (step, _)| {
             *attempts += 1 + step.rejections;
             Some(*attempts)
         });
         let count = 1 + attempts.take(steps).position(|attempts| attempts >= steps)?;
-        let history = self.report.residual_history();
         let before = history[history.len() - 1 - count];
-        (self.report.final_norm() > left * before).then_some(count)
+        (self.report.final_norm() > left * before).then_some((count, before))
     }
 
     /// The reason to take no further step, if there is one.
@@ -150,8 +153,8 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         if self.report.steps.len() >= self.settings.max_steps {
             return Some(Error::MaxSteps { tolerance: self.tolerances.total, report: report() });
         }
-        if let Some(steps) = self.settings.short_steps.and_then(|rule| self.leads_nowhere(rule)) {
-            return Some(Error::ShortSteps { steps, report: report() });
+        if let Some((steps, before)) = self.settings.fruitless_steps.and_then(|rule| self.leads_nowhere(rule)) {
+            return Some(Error::Fruitless { steps, before, report: report() });
         }
         let (least, since) = (self.best.progress_norm, self.best.progress);
         self.has_stalled().then(|| Error::Stalled { least, since, report: report() })

@@ -33,6 +33,13 @@ pub struct StepReport {
     pub rejections: usize,
 }
 
+impl StepReport {
+    /// Whether a field was damped.
+    pub fn is_damped(&self) -> bool {
+        self.inverse_pseudo_time.iter().any(|inverse| *inverse > 0.0)
+    }
+}
+
 /// The report of a solve.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
@@ -136,14 +143,16 @@ pub enum Error {
         /// The report up to the failure.
         report: Box<Report>,
     },
-    /// All steps are short, and the residual hardly falls.
+    /// The last steps are short or raise the residual.
     #[error(
-        "Newton step {}: the last {steps} steps were at most {:.1e} of their increments, and the residual norm fell to {:e} only",
-        report.steps.len(), report.longest_of_last(*steps), report.final_norm()
+        "Newton step {}: the last {steps} steps led nowhere: they were short, or damped and raised the residual; its norm is {:e}, and was {before:e}",
+        report.steps.len(), report.final_norm()
     )]
-    ShortSteps {
-        /// The number of short steps.
+    Fruitless {
+        /// The number of these steps.
         steps: usize,
+        /// The norm before them.
+        before: f64,
         /// The report up to the failure.
         report: Box<Report>,
     },
@@ -175,7 +184,7 @@ impl Error {
             | Self::Krylov { report, .. }
             | Self::MaxSteps { report, .. }
             | Self::Stalled { report, .. }
-            | Self::ShortSteps { report, .. }
+            | Self::Fruitless { report, .. }
             | Self::Stopped { report }
             | Self::Diverged { report, .. } => report,
         }

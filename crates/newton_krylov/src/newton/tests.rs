@@ -107,14 +107,14 @@ fn the_line_search_keeps_the_state_admissible() {
 /// Steps of a twentieth leave 0.81 of the residual after four of them, steps of a fifth 0.41.
 #[test]
 fn a_solve_whose_steps_stay_short_is_given_up() {
-    let rule = Some(ShortSteps { steps: 4, left: 0.8 });
-    let solve = |largest_step, short_steps| {
+    let rule = Some(FruitlessSteps { steps: 4, left: 0.8 });
+    let solve = |largest_step, fruitless_steps| {
         let mut problem = logarithm_problem();
         problem.largest_step = largest_step;
-        run(&mut problem, &mut [20.0], &Settings { short_steps, max_steps: 1000, ..Settings::default() })
+        run(&mut problem, &mut [20.0], &Settings { fruitless_steps, max_steps: 1000, ..Settings::default() })
     };
     let error = solve(0.05, rule).unwrap_err();
-    assert!(matches!(error, Error::ShortSteps { steps: 4, .. }) && error.report().steps.len() == 4, "{error}");
+    assert!(matches!(error, Error::Fruitless { steps: 4, .. }) && error.report().steps.len() == 4, "{error}");
     assert!(solve(0.05, None).is_ok() && solve(0.2, rule).is_ok());
 }
 
@@ -176,16 +176,32 @@ fn a_failed_line_search_switches_pseudo_time_on_and_convergence_switches_it_off(
 /// A line search without limit takes shorter and shorter steps towards the minimum; damping starts earlier.
 /// At the bottom of the valley attempts are rejected until the damping is strong enough, and no step may be longer than a fifth.
 #[test]
-fn rejected_attempts_count_as_short_steps() {
+fn rejected_attempts_count_as_fruitless_steps() {
     let (mut problem, mut z) = (valley_problem(), [0.82, 1.0]);
     problem.largest_step = 0.2;
-    let rule = ShortSteps { steps: 3, left: 0.0 };
-    let mut settings = Settings { short_steps: Some(rule), max_steps: 100, ..exact() };
+    let rule = FruitlessSteps { steps: 3, left: 0.0 };
+    let mut settings = Settings { fruitless_steps: Some(rule), max_steps: 100, ..exact() };
     settings.line_search.max_trials = 2;
     let error = run(&mut problem, &mut z, &settings).unwrap_err();
-    let (steps, Error::ShortSteps { steps: count, .. }) = (&error.report().steps, &error) else { panic!("{error}") };
+    let (steps, Error::Fruitless { steps: count, .. }) = (&error.report().steps, &error) else { panic!("{error}") };
     let attempts: usize = steps.iter().map(|step| 1 + step.rejections).sum();
     assert!(*count == steps.len() && steps.len() < 3 && attempts >= 3, "{steps:?}");
+}
+
+/// The way through the valley leads uphill, by damped steps that are not short.
+#[test]
+fn damped_steps_that_raise_the_residual_count_as_fruitless_steps() {
+    let mut settings = Settings { max_steps: 100, ..exact() };
+    settings.pseudo_time.initial_inverse = 4.0;
+    let mut solve = |steps| {
+        settings.fruitless_steps = Some(FruitlessSteps { steps, left: 0.8 });
+        run(&mut valley_problem(), &mut [0.5, 1.0], &settings)
+    };
+    let error = solve(2).unwrap_err();
+    let (report, Error::Fruitless { steps: 2, before, .. }) = (error.report(), &error) else { panic!("{error}") };
+    let last = report.steps.last().unwrap();
+    assert!(last.is_damped() && last.step_length > 0.25 && last.residual_norm > *before, "{last:?}");
+    assert!(solve(50).is_ok());
 }
 
 #[test]

@@ -21,6 +21,9 @@ pub struct Opening {
     /// Subsonic gas at a supersonic inflow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub subsonic: Option<Misused>,
+    /// Gas that an inflow of a moving mesh has overtaken.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub overtaking: Option<Misused>,
 }
 
 /// An observation of flow that a condition is not made for.

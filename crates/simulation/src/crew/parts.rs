@@ -118,6 +118,7 @@ pub fn without_flow(state: &State) -> State {
         d: state.d.clone(),
         bodies: state.bodies.clone(),
         pending: state.pending.clone(),
+        eased: state.eased.clone(),
         ..*state
     }
 }

@@ -113,7 +113,10 @@ where
     }
     *averages = AverageSums::from_arrays(&stored.arrays)?;
     fallback::follow(case, flow, march, stored).ok()?;
-    march.state = state;
+    let initial = std::mem::replace(&mut march.state, state);
+    if march.state.eased.is_some() && march.solver.start_layer.given.is_empty() {
+        march.solver.start_layer.given = initial.u;
+    }
     // The stages of another partition may join neighbours.
     let blocks = stored.integers.get(BLOCKS).map_or(1, |&blocks| blocks as usize);
     if let Some(frozen) = frozen.filter(|_| blocks == case.blocks) {

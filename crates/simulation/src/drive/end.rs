@@ -3,6 +3,7 @@
 use super::Run;
 use super::fall_back::is_held;
 use crate::context::{RunContext, Stop};
+use crate::crew::OtherMesh;
 use crate::error::Failure;
 use crate::failure::{self, FailureReport, Finding};
 use crate::observer::NextStep;
@@ -19,7 +20,12 @@ pub(super) fn close<const D: usize, const M: usize>(
     session: &Session<'_>,
     stop: Option<&Stop>,
 ) -> Result<Summary, Failure> {
-    if !is_held(run) || matches!(stop, Some(Stop::Failed(..))) {
+    let keeps_checkpoint = match stop {
+        // Nothing of the last slab is recorded, so a resumed run solves it again.
+        Some(Stop::Failed(error, _)) => error.is::<OtherMesh>(),
+        _ => is_held(run),
+    };
+    if !keeps_checkpoint {
         recorder.checkpoint(run.store(), &context.statistics)?;
     }
     session.observer.finish();

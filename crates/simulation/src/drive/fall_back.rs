@@ -28,12 +28,13 @@ pub(super) fn fall_back<const D: usize, const M: usize>(
     if !is_held(run) {
         recorder.checkpoint(run.store(), &context.statistics)?;
     }
-    // Also those in parts of the slab that had been solved.
-    let rejected = context.statistics.rejected + run.state().rejected as u64;
+    // Also the attempts in parts of the slab that had been solved.
+    let (reached, of_attempts) = (context.statistics.clone(), run.counts());
+    let rejected = reached.rejected + run.state().rejected as u64;
     let stored = recorder.go_back(session)?;
-    let before =
-        RunStatistics::from_arrays(&stored.state.arrays, walls(case)).map_or(0, |statistics| statistics.rejected);
-    let stored = fallback::in_split_form(stored, (rejected - before.min(rejected)) as usize);
+    let before = RunStatistics::from_arrays(&stored.state.arrays, walls(case)).unwrap_or_default();
+    let rejected = rejected.saturating_sub(before.rejected) as usize;
+    let stored = fallback::in_split_form(stored, rejected, reached.counts_since(&before, of_attempts));
     context.statistics = restore(run, Some(&stored), case)?;
     run.begin_balances(&mut context.statistics);
     cut_files(session, recorder, run, true)?;

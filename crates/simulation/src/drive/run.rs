@@ -8,6 +8,7 @@ use crate::failure::Finding;
 use crate::record::Stored;
 use crate::session::Session;
 use crate::statistics::RunStatistics;
+use coupled::Counts;
 use output::{ArraySpec, Checkpoint, OutputError, Summary};
 use std::borrow::Cow;
 use std::ops::Range;
@@ -63,6 +64,10 @@ pub(crate) trait Run {
     }
     /// Records a slab and reports it; returns its row of history.csv.
     fn enter(&mut self, report: &Self::Report, context: &mut RunContext) -> Vec<f64>;
+    /// What the rejected attempts at the next slab have cost.
+    fn counts(&self) -> Counts {
+        Counts::default()
+    }
     /// The state from which the next slab can start.
     fn store(&self) -> Stored<'_>;
     /// Restores the march from a checkpoint.

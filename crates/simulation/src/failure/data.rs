@@ -1,6 +1,7 @@
 //! Measurements of a failed run: plain numbers, relative if there is a reference.
 
 use super::super::openings::Record;
+use case::NotPositive;
 use serde::Serialize;
 
 /// Exactly the data that the diagnosis reads.
@@ -206,6 +207,8 @@ pub struct Gas {
     pub start: FlowStart,
     /// Flow at inflows and outflows for which their conditions are not suited.
     pub openings: Vec<OpeningMisuse>,
+    /// A value of a boundary condition within the slab that must be positive and is not.
+    pub not_positive: Option<NotPositive>,
 }
 
 /// How a flow starts.

@@ -9,6 +9,7 @@ use super::grid::Grid;
 use super::of_bodies;
 use super::of_mesh::{self, inverted};
 use crate::body_checks::unheld;
+use crate::boundary_values::not_positive;
 use crate::cells::StateInCells;
 use case::{Case, Flow, State};
 use coupled::{
@@ -218,6 +219,7 @@ where
             openings: self.statistics.openings.iter().map(|record| self.opening(record)).collect(),
             kick: if self.case.motion.is_some() { gases.start.kick } else { 0.0 },
             start: self.flow_start(),
+            not_positive: not_positive((self.case, flow), self.mover(), &self.state.d, self.interval),
         }
     }
 

@@ -18,7 +18,7 @@ use basis::Rule;
 use case::surface_name;
 use case::{BoundaryData, Flow, Wall};
 use coupled::MeshMover;
-use fem::{BoundaryPoint, ConservationLaw, Inside, PointFlux, Quadrature, Sampler};
+use fem::{BoundaryPoint, ConservationLaw, Inside, PointFlux, Quadrature, Sampler, node_grid, penalty};
 use mesh::{BoundaryFacet, axis_and_side, outward_area, outward_sign};
 use navier_stokes::{Boundary, NavierStokes, Primitive};
 use output::ArraySpec;
@@ -261,8 +261,8 @@ impl<const D: usize> SurfaceFlow<'_, D> {
         let at = BoundaryPoint { normal: &normal, velocity: &here.velocity, data: &data };
         let inside = law.is_viscous().then(|| Inside {
             gradient: here.gradient,
-            sigma: size / det(&here.jacobian).abs() * self.flow.order.pow(2) as f64,
-            grid: grid(&here.jacobian, self.flow.order),
+            sigma: penalty(size, det(&here.jacobian).abs().recip(), self.flow.order),
+            grid: node_grid(&cofactor(&here.jacobian), det(&here.jacobian), self.flow.order),
         });
         let PointFlux { inviscid, viscous, penalty, .. } = PointFlux::new(law, condition, &here.u, at, inside.as_ref());
         let moving = law.boundary_velocity(condition, at);
@@ -294,12 +294,6 @@ fn unit_normal<const D: usize, const M: usize>(here: &Here<'_, D, M>) -> ([f64; 
 
 fn det<const D: usize>(jacobian: &[[f64; D]; D]) -> f64 {
     determinant(jacobian, &cofactor(jacobian))
-}
-
-/// Distances between the nodes of a cell of `order` along its axes, per length: (N_s - 1) / 2 dxi/dx.
-fn grid<const D: usize>(jacobian: &[[f64; D]; D], order: usize) -> [[f64; D]; D] {
-    let (cof, factor) = (cofactor(jacobian), 0.5 * (order - 1) as f64 / det(jacobian));
-    std::array::from_fn(|j| std::array::from_fn(|k| cof[k][j] * factor))
 }
 
 /// grad_x u = J^-T grad_xi u.

@@ -20,7 +20,7 @@ pub(super) struct Slab {
     pub(super) velocity: Vec<f64>,
     /// f(s_a)
     pub(super) forces: Vec<f64>,
-    /// g'(s_a) at fixed entries, zero elsewhere.
+    /// V_a of (support) at fixed entries, zero elsewhere.
     pub(super) supports: Vec<f64>,
     /// The mean force of the supports, once the slab has ended.
     pub(super) reaction: Vec<f64>,
@@ -37,14 +37,10 @@ impl<const D: usize> ElasticBody<D> {
 
     /// The velocities of the supports at the time nodes.
     pub(super) fn prescribed(&self) -> Vec<f64> {
-        let (structure, time) = (&self.data.structure, self.motion.time());
+        let (data, Slab { clock, dt, displacement, .. }) = (&self.data, &self.slab);
         let mut v = vec![0.0; self.w.len()];
-        if !self.slab.clock.runs() {
-            return v;
-        }
-        for (s, v) in time.nodes().iter().zip(v.chunks_exact_mut(structure.length())) {
-            let t = self.slab.clock.time(*s);
-            self.data.supports.set(structure, v, |field, x| field.rate(x, t));
+        if clock.runs() {
+            data.supports.set_velocities(&data.structure, &self.motion, (*clock, *dt), displacement, &mut v);
         }
         v
     }

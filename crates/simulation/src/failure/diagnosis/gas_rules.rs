@@ -3,6 +3,7 @@
 use super::super::data::{Extreme, FailureData, FlowStart, Gas, Mismatch, OpeningMisuse};
 use super::{Cause, number, rises};
 use crate::openings::Misuse;
+use case::NotPositive;
 
 /// Whether the run has begun with the initial state of its case.
 fn has_initial_state(gas: &Gas) -> bool {
@@ -47,6 +48,22 @@ pub fn opening(data: &FailureData) -> Option<Cause> {
         likelihood,
         what: opening.told.clone(),
         remedy: opening.record.now.misuse.remedy(&opening.boundary),
+    })
+}
+
+/// A boundary condition asks for a pressure, a temperature or a density that no gas has.
+pub fn boundary_value(data: &FailureData) -> Option<Cause> {
+    let NotPositive { boundary, key, x, t, value } = data.gas.as_ref()?.not_positive.as_ref()?;
+    Some(Cause {
+        name: "boundary_value",
+        likelihood: 1.0,
+        what: format!(
+            "`{key}` of the boundary `{boundary}` is {} at {x:?} and t = {t}, and must be positive",
+            number(*value)
+        ),
+        remedy: format!(
+            "a formula in `flow.boundary.{boundary}` that is positive all the time, for instance with `max`"
+        ),
     })
 }
 

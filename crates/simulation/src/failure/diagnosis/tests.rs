@@ -39,6 +39,7 @@ fn nothing_suspicious() -> FailureData {
             kick: 0.0,
             start: FlowStart::OtherState,
             openings: Vec::new(),
+            not_positive: None,
         }),
         structure: None,
         bodies: None,
