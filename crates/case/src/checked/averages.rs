@@ -9,6 +9,9 @@ use crate::raw::{self, Average, Axis};
 /// The largest number of phases of a period.
 const MOST_PHASES: usize = 1000;
 
+/// The largest number of phases from the start of the averages to the end of the run: they are counted in f64.
+const MOST_PHASES_OF_A_RUN: f64 = 1e12;
+
 /// Averages over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Averages {
@@ -70,7 +73,7 @@ pub(super) fn check<const D: usize>(
         return Err(checker.combination(&key.child("fields"), "the list of averages is empty", accepted));
     }
     let along = directions(checker, &key.child("along"), &raw.along, mesh)?;
-    Ok(Some(Averages { from, to, phases: phases(checker, &key, raw, time)?, along, fields }))
+    Ok(Some(Averages { from, to, phases: phases(checker, &key, raw, (time, from))?, along, fields }))
 }
 
 /// The axes of space `along` which the cells of the mesh are extruded.
@@ -88,7 +91,12 @@ fn directions<const D: usize>(checker: &Checker<'_>, key: &Key, along: &[Axis], 
     Ok(along)
 }
 
-fn phases(checker: &Checker<'_>, key: &Key, raw: &raw::Averages, time: &Time) -> Checked<Option<Phases>> {
+fn phases(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &raw::Averages,
+    (time, from): (&Time, f64),
+) -> Checked<Option<Phases>> {
     match (&raw.period, raw.phases) {
         (None, None) => Ok(None),
         (Some(period), Some(count)) => {
@@ -102,6 +110,9 @@ fn phases(checker: &Checker<'_>, key: &Key, raw: &raw::Averages, time: &Time) ->
             let accepted = format!("phases of {shortest:e} or more, a thousandth of a slab");
             let resolved = period / count as f64 >= shortest;
             checker.require(&key_of("period"), "the length of a phase", resolved, &accepted)?;
+            let countable = (time.end - from) * count as f64 <= MOST_PHASES_OF_A_RUN * period;
+            let accepted = format!("a start at most {MOST_PHASES_OF_A_RUN:e} phases before the end of the run");
+            checker.require(&key_of("from"), "the start of the averages", countable, &accepted)?;
             Ok(Some(Phases { period, count }))
         }
         (Some(_), None) => {

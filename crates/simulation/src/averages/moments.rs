@@ -118,8 +118,9 @@ impl Term {
         };
         let sum: f64 = self.products.iter().map(product).sum();
         let value = self.divisor.map_or(sum, |quantity| sum / of(Factor::Mean(quantity)));
-        // Round-off may make the mean square of nothing negative.
-        if self.is_root { value.max(0.0).sqrt() } else { value }
+        // Round-off may make the mean square of nothing negative. Not a number stays that.
+        let square = if value < 0.0 { 0.0 } else { value };
+        if self.is_root { square.sqrt() } else { value }
     }
 }
 

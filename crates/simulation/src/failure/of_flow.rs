@@ -225,8 +225,8 @@ where
 
     fn flow_start(&self) -> FlowStart {
         match &self.flow.initial {
-            _ if self.case.solver.steady.is_some() => FlowStart::SteadyFlow,
             _ if self.case.restart.is_some() => FlowStart::OtherRun,
+            _ if self.case.solver.steady.is_some() => FlowStart::SteadyFlow,
             State::Uniform(_) => FlowStart::UniformStream,
             _ => FlowStart::OtherState,
         }

@@ -304,7 +304,8 @@ pub fn physical<const D: usize, const M: usize>(slopes: &[[f64; M]; D], jacobian
 
 /// The fraction of the arc at a point of a facet, from those of its nodes; NaN where the wall is no closed curve.
 fn along_arc(nodes: impl Iterator<Item = Option<f64>>, functions: &[f64]) -> f64 {
-    let known: Vec<(f64, f64)> = nodes.zip(functions).filter_map(|(s, phi)| Some((s?, *phi))).collect();
+    let known: Vec<(f64, f64)> =
+        nodes.zip(functions).filter_map(|(s, phi)| Some((s?, *phi))).filter(|(_, phi)| *phi != 0.0).collect();
     let largest = known.iter().fold(f64::NEG_INFINITY, |most: f64, (s, _)| most.max(*s));
     // Zero and one are the same place.
     let sum: f64 = known.iter().map(|(s, phi)| phi * if largest - s > 0.5 { s + 1.0 } else { *s }).sum();

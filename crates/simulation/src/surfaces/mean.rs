@@ -248,7 +248,8 @@ fn zero(row: &Row, next: &Row, jump: [f64; 2], length: f64) -> Option<Zero> {
     let part = here / (here - there);
     let between = |a: f64, b: f64| a + part * (b - a);
     let end = if next.place < row.place { next.place + length } else { next.place };
-    (here * there < 0.0).then(|| Zero {
+    // A row without friction counts to the negative side.
+    (here != there && (here > 0.0) != (there > 0.0) && !part.is_nan()).then(|| Zero {
         kind: if here > 0.0 { "separation" } else { "attachment" },
         place: between(row.place, end),
         position: [0, 1].map(|i| between(row.position[i], next.position[i] - jump[i])),

@@ -17,7 +17,7 @@ pub fn newton_steps(data: &FailureData) -> Option<Cause> {
     let key = if data.attempt.steady { "solver.steady.steps" } else { "solver.newton_steps" };
     Some(Cause {
         name: NEWTON_STEPS,
-        likelihood: 0.95 * rises(factor - 1.0, 1.0),
+        likelihood: 0.95 * rises((factor - 1.0).max(0.0), 1.0),
         what: format!(
             "too few Newton steps are allowed: the residual was still falling, by a factor of {} in each of the {steps} steps",
             number(factor)

@@ -115,6 +115,10 @@ fn a_misused_opening_is_named_first() {
 #[test]
 fn a_fact_of_the_solver_names_its_cause() {
     assert_eq!(first(|e| newton(e).residuals = vec![1.0, 1e-2, 1e-4]), "newton_steps");
+    // A residual that rises does not fall: the square of its factor was taken.
+    let mut rising = nothing_suspicious();
+    newton(&mut rising).residuals = vec![1.0, 0.5, 5.0];
+    assert!(causes(&rising).iter().all(|cause| cause.name != "newton_steps"), "{:?}", causes(&rising));
     let stalls = |e: &mut FailureData, round_off| {
         newton(e).residuals = vec![1.0, 1e-6, 1e-9, 1e-9, 0.9e-9];
         newton(e).round_off = round_off;

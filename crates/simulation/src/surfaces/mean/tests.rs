@@ -164,3 +164,23 @@ fn errors_need_eight_times_and_vanish_for_a_steady_flow() {
     let spread = half_width(&[1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0]);
     assert!((spread - STUDENT * (8.0_f64 / 7.0 / 8.0).sqrt()).abs() < 1e-14);
 }
+
+/// Friction that is zero exactly at a row had no zero.
+#[test]
+fn a_zero_at_a_row_is_found_once() {
+    let row = |k: usize, friction: f64| {
+        let mut means = [0.0; QUANTITIES.len()];
+        means[SKIN_FRICTION] = friction;
+        Row { place: 0.1 * k as f64, position: [k as f64, 0.0], area: 1.0, means, errors: [0.0; QUANTITIES.len()] }
+    };
+    let found = |frictions: [f64; 3], kind: &str| {
+        let rows: Vec<Row> = frictions.iter().enumerate().map(|(k, friction)| row(k, *friction)).collect();
+        let zeros: Vec<Zero> = rows.windows(2).filter_map(|pair| zero(&pair[0], &pair[1], [0.0; 2], 1.0)).collect();
+        let [zero] = &zeros[..] else { panic!("{} zeros of {frictions:?}", zeros.len()) };
+        assert!(zero.kind == kind && zero.position == [1.0, 0.0], "{frictions:?}");
+    };
+    found([1e-3, 0.0, -1e-3], "separation");
+    found([-1e-3, 0.0, 1e-3], "attachment");
+    found([1e-200, 0.0, -1e-200], "separation");
+    assert!(zero(&row(0, f64::NAN), &row(1, 1.0), [0.0; 2], 1.0).is_none());
+}
