@@ -4,6 +4,7 @@ use super::tables;
 use crate::checker::Checker;
 use crate::continuation::lasting;
 use crate::document::Document;
+use crate::expression::Overshoot;
 use crate::key::Key;
 use crate::raw::{self, to_table, to_toml};
 
@@ -20,6 +21,8 @@ pub struct About {
     pub lasting: String,
     /// Every key that was left to its default, and the value taken.
     pub defaults: Vec<(String, String)>,
+    /// Tables whose splines are far beyond their points, by name.
+    pub overshoots: Vec<(String, Overshoot)>,
 }
 
 impl About {
@@ -32,6 +35,7 @@ impl About {
             resolved: to_toml(&whole),
             lasting: to_toml(&lasting(&whole)),
             defaults: defaults_taken(document, raw).into_iter().chain(checker.noted_defaults()).collect(),
+            overshoots: tables::overshoots(checker),
         }
     }
 }

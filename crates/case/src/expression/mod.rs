@@ -38,7 +38,7 @@ pub use control::ControlValue;
 pub use error::{ExpressionError, Problem};
 pub use names::{Names, Variable, is_variable};
 pub use program::Program;
-pub use table::{Ends, Table, TableError};
+pub use table::{Ends, Overshoot, Table, TableError};
 
 impl Program {
     /// Compiles `text`, in which the variables and constants of `names` may occur.

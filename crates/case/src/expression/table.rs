@@ -17,6 +17,9 @@
 
 use tensor::Transcendental;
 
+/// The parts of the time between two points at whose ends an overshoot is looked for.
+const PARTS: usize = 16;
+
 /// The ends of the table, and the values beyond them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ends {
@@ -39,6 +42,17 @@ pub struct Table {
     /// m_k.
     slopes: Vec<f64>,
     ends: Ends,
+}
+
+/// The place where a spline is farthest beyond the two points beside it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overshoot {
+    /// The time.
+    pub t: f64,
+    /// The value there.
+    pub value: f64,
+    /// The values of the two points.
+    pub between: [f64; 2],
 }
 
 /// Errors of a table.
@@ -103,6 +117,25 @@ impl Table {
     /// The first and the last time.
     pub fn range(&self) -> (f64, f64) {
         (self.t[0], self.t[self.t.len() - 1])
+    }
+
+    /// The largest overshoot beyond two neighbouring points, if it is larger than the range of all values times `part`.
+    pub fn overshoot(&self, part: f64) -> Option<Overshoot> {
+        let fold = |pick: fn(f64, f64) -> f64| self.y.iter().copied().reduce(pick).unwrap_or(0.0);
+        let range = fold(f64::max) - fold(f64::min);
+        let beyond = |at: &Overshoot| {
+            let [low, high] = [at.between[0].min(at.between[1]), at.between[0].max(at.between[1])];
+            (low - at.value).max(at.value - high)
+        };
+        let parts = (1..PARTS).map(|part| part as f64 / PARTS as f64);
+        let places = self.t.windows(2).zip(self.y.windows(2)).flat_map(|(t, y)| {
+            let at = move |s: f64| (t[0] + s * (t[1] - t[0]), [y[0], y[1]]);
+            parts.clone().map(at)
+        });
+        let worst = places
+            .map(|(t, between)| Overshoot { t, value: self.evaluate(t), between })
+            .max_by(|a, b| beyond(a).total_cmp(&beyond(b)))?;
+        (beyond(&worst) > part * range).then_some(worst)
     }
 
     /// y(t), by (spline). NaN beyond free ends.

@@ -100,3 +100,14 @@ fn what_is_no_function_is_refused() {
     let periodic = error(&[0.0, 1.0, 2.0, 3.0], &[0.0, 1.0, 2.0, 0.1], Ends::Periodic);
     assert_eq!(periodic, TableError::NotPeriodic { first: 0.0, last: 0.1 });
 }
+
+/// A step that is steeper than the rest of a table makes the spline swing far beyond it.
+#[test]
+fn a_spline_far_beyond_its_points_is_found() {
+    let steep = Table::new(vec![0.0, 0.2, 0.2001, 0.6, 1.0], vec![0.0, 0.0, 0.2, 0.2, 0.1], Ends::AtRest).unwrap();
+    let Overshoot { t, value, between } = steep.overshoot(0.5).unwrap();
+    assert!(value.abs() > 10.0 && between[0] == between[1] && (t < 0.2 || t > 0.2001), "{value} at {t}");
+    for ends in [Ends::Free, Ends::Periodic] {
+        assert_eq!(sampled(|t| (PI * t).sin(), 5, ends).overshoot(0.5), None);
+    }
+}

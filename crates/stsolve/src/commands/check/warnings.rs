@@ -4,6 +4,7 @@ use super::Facts;
 use super::resolution::{free_flow, layer, longest_slab, poor_cells, quadrature, slab_length};
 use super::scales::{MotionScales, on_walls, speed_at_start};
 use super::{gas, streams};
+use case::expression::Overshoot;
 use case::{Flow, Motion, Preconditioner};
 use elasticity::NEARLY_INCOMPRESSIBLE;
 use navier_stokes::{Boundary, Riemann};
@@ -38,6 +39,16 @@ pub(super) struct Warning {
     pub(super) text: String,
 }
 
+/// A table whose spline is far beyond its points.
+fn overshoot<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
+    let (name, Overshoot { t, value, between: [before, after] }) = facts.case.about.overshoots.first()?;
+    let text = format!(
+        "the spline through `tables.{name}` is {value:.3e} at {t:.3e}, between the values {before} and {after}: more points where it bends, or a \
+         wider step"
+    );
+    warning("table", text)
+}
+
 /// All warnings about a case.
 pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
     let of_flow = facts.case.flow.as_ref().map(|flow| {
@@ -67,7 +78,14 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
             [quadrature(facts, flow), layer(facts, flow), free_flow(facts, flow), mach(flow), lines(facts, flow)];
         of_boundaries.into_iter().chain(of_start).chain(of_resolution)
     });
-    let of_all = [slab_length(facts), longest_slab(facts), file_size(facts), poor_cells(facts), incompressible(facts)];
+    let of_all = [
+        overshoot(facts),
+        slab_length(facts),
+        longest_slab(facts),
+        file_size(facts),
+        poor_cells(facts),
+        incompressible(facts),
+    ];
     of_all.into_iter().chain(of_flow.into_iter().flatten()).flatten().collect()
 }
 
