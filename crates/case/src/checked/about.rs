@@ -4,7 +4,7 @@ use super::tables;
 use crate::checker::Checker;
 use crate::continuation::lasting;
 use crate::document::Document;
-use crate::expression::Overshoot;
+use crate::expression::Table;
 use crate::key::Key;
 use crate::raw::{self, to_table, to_toml};
 
@@ -21,8 +21,8 @@ pub struct About {
     pub lasting: String,
     /// Every key that was left to its default, and the value taken.
     pub defaults: Vec<(String, String)>,
-    /// Tables whose splines are far beyond their points, by name.
-    pub overshoots: Vec<(String, Overshoot)>,
+    /// The tables, by name.
+    pub tables: Vec<(String, Table)>,
 }
 
 impl About {
@@ -35,7 +35,7 @@ impl About {
             resolved: to_toml(&whole),
             lasting: to_toml(&lasting(&whole)),
             defaults: defaults_taken(document, raw).into_iter().chain(checker.noted_defaults()).collect(),
-            overshoots: tables::overshoots(checker),
+            tables: checker.tables().map(|(name, table)| (name.to_owned(), table.clone())).collect(),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::cause::Cause;
 use crate::checker::{Checked, Checker};
-use crate::expression::{Ends, Overshoot, Table, TableError};
+use crate::expression::{Ends, Table, TableError};
 use crate::input_file::{self, LARGEST_TABLE};
 use crate::key::Key;
 use crate::raw::{self, Column};
@@ -43,15 +43,6 @@ pub(crate) fn check(checker: &Checker<'_>, key: &Key, raw: &raw::Table) -> Check
         let key = if of_times && !of_file { key.child("t") } else { values_key };
         checker.error(&key, Cause::Table(error))
     })
-}
-
-/// A spline that leaves two neighbouring points by more than this part of the range of all values is hardly meant.
-const UNMEANT: f64 = 0.5;
-
-/// The tables whose splines are far beyond their points, by name.
-pub(crate) fn overshoots(checker: &Checker<'_>) -> Vec<(String, Overshoot)> {
-    let beyond = |(name, table): (&str, &Table)| Some((name.to_owned(), table.overshoot(UNMEANT)?));
-    checker.tables().filter_map(beyond).collect()
 }
 
 /// The tables, with the data of their files in place of the files.

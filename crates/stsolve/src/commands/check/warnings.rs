@@ -12,6 +12,9 @@ use simulation::{
     PrescribedNode, jump_of_centrifugal_force, speed_of_bodies_at_start, unheld_in_equilibrium, wall_that_bulges,
 };
 
+/// A spline that leaves two neighbouring points by more than this part of the range of all values is hardly meant.
+const UNMEANT: f64 = 0.5;
+
 /// A far field nearer than this, in reference lengths, influences the flow.
 const FAR: f64 = 10.0;
 
@@ -41,7 +44,9 @@ pub(super) struct Warning {
 
 /// A table whose spline is far beyond its points.
 fn overshoot<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
-    let (name, Overshoot { t, value, between: [before, after] }) = facts.case.about.overshoots.first()?;
+    let mut tables = facts.case.about.tables.iter();
+    let (name, Overshoot { t, value, between: [before, after] }) =
+        tables.find_map(|(name, table)| Some((name, table.overshoot(UNMEANT)?)))?;
     let text = format!(
         "the spline through `tables.{name}` is {value:.3e} at {t:.3e}, between the values {before} and {after}: more points where it bends, or a \
          wider step"
