@@ -35,7 +35,7 @@ pub struct Solver {
     pub pseudo_time: PseudoTime,
     /// The largest number of times that a slab is halved before the run gives up.
     pub slab_halvings: usize,
-    /// What the run does when a slab could not be solved after all halvings.
+    /// What the run does when halvings of a slab do not help.
     pub fallback: Fallback,
     /// The thickness of a boundary layer that the initial state gets at no-slip walls; 0 for none. Default: none, unless the first slab
     /// cannot be solved without one.
@@ -103,11 +103,11 @@ pub enum Predictor {
     Constant,
 }
 
-/// What a run does when a slab of the flow could not be solved after all halvings.
+/// What a run does when a slab of the flow could not be solved after all halvings; of a flow that the mesh does not resolve, without halvings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Fallback {
-    /// It goes back to the start of the slab that had to be halved, and goes on from there to the end in a split form:
+    /// It goes back to the start of the slab, and goes on from there to the end in a split form:
     /// `flow.quadrature = "collocated_lobatto"` with `flow.volume_flux = "entropy"`. A warning says so. If that fails in the same slab,
     /// the run stops.
     SplitForm,

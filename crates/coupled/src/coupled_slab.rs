@@ -7,6 +7,7 @@ use crate::block::BodyState;
 use crate::blocks::{Counts, inadmissible, totals_at};
 use crate::march::{March, SlabSolver};
 use crate::mesh_mover::MeshQuality;
+use crate::resolution::is_unresolved;
 use crate::schedule::{Schedule, StepControl};
 use crate::slab_error::SlabError;
 use crate::start_layer::{EasedStart, StartLayer};
@@ -15,7 +16,7 @@ use crate::system::System;
 use fem::{FluxesAt, SlabEnd, Violation};
 use newton_krylov::finite_difference::{FiniteDifference, Scheme};
 use newton_krylov::inner_product;
-use newton_krylov::newton::{self, FruitlessSteps, Workspace};
+use newton_krylov::newton::{self, FruitlessSteps, Stall, Workspace};
 use std::array::from_fn;
 use std::sync::Arc;
 
@@ -71,6 +72,9 @@ const FRUITLESS_FIRST_STEP: FruitlessSteps = FruitlessSteps { steps: 1, left: 0.
 /// The largest number of Krylov iterations per Newton step of that attempt.
 const FIRST_ITERATIONS: usize = 40;
 
+/// When an attempt at a slab of an unresolved flow gives up: these steps have not brought one digit. A slab that can be solved takes fewer.
+const UNRESOLVED_STALL: Stall = Stall { steps: 5, factor: 0.1 };
+
 /// The report of a slab.
 #[derive(Clone, Debug)]
 pub struct SlabReport<const M: usize> {
@@ -121,6 +125,11 @@ pub struct CoupledSlab<const D: usize, const M: usize> {
     jacobian: Jacobian,
     /// The boundary layer for an easier initial state.
     pub start_layer: StartLayer,
+    /// Whether the caller can go on in a more robust way. Then an attempt at a slab of an unresolved flow gives up early, and is not followed by
+    /// shorter ones.
+    pub gives_way: bool,
+    /// Whether the solver gives way, and the mesh does not resolve the flow at the bottom of the slab.
+    unresolved: bool,
     workspace: Workspace,
 }
 
@@ -138,7 +147,16 @@ impl<const D: usize, const M: usize> FlowMarch<D, M> {
         let bodies = system.bodies.iter().map(|body| body.initial()).collect();
         let state = State { step: schedule.step, bodies, ..State::new(schedule.start, u, d) };
         let (start_layer, workspace) = (StartLayer::default(), Workspace::default());
-        let solver = CoupledSlab { system, newton, predictor, jacobian, start_layer, workspace };
+        let solver = CoupledSlab {
+            system,
+            newton,
+            predictor,
+            jacobian,
+            start_layer,
+            gives_way: false,
+            unresolved: false,
+            workspace,
+        };
         March::from(solver, state, schedule, max_halvings)
     }
 
@@ -173,6 +191,7 @@ impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
     type Report = SlabReport<M>;
 
     fn solve(&mut self, state: &State, interval: Interval) -> Result<Solved<M>, SlabError> {
+        self.unresolved = self.gives_way && is_unresolved(&self.system.flow.operator, &state.u);
         let (mut z, references) = self.guess(state, interval)?;
         let settings = self.settings(state);
         let report = self.newton(&mut z, &references, &settings).map_err(|source| self.cause(&z, source))?;
@@ -217,6 +236,10 @@ impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
         self.system.flow.preconditioner.stale = true;
     }
 
+    fn gives_way(&self, source: &SlabError) -> bool {
+        self.unresolved && source.is_of_flow()
+    }
+
     fn ease_start(&mut self, state: &mut State) -> Option<String> {
         if state.slab > 0 {
             return None;
@@ -252,13 +275,18 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         }
     }
 
-    /// The settings of Newton's method on top of `state`. If the start can still be made easier, the first attempt gives up early.
+    /// The settings of Newton's method on top of `state`. An attempt gives up early if the start can still be made easier, or the solver will give
+    /// way.
     fn settings(&self, state: &State) -> newton::Settings {
         let mut settings = self.newton;
         settings.krylov.precision = self.system.krylov_precision();
         if state.slab == 0 && state.eased.is_none() && !self.start_layer.walls.is_empty() {
             settings.fruitless_steps = Some(FRUITLESS_FIRST_STEP);
             settings.krylov.max_iterations = settings.krylov.max_iterations.min(FIRST_ITERATIONS);
+            settings.pseudo_time.max_rejections = 0;
+        }
+        if self.unresolved {
+            settings.stall = Some(UNRESOLVED_STALL);
             settings.pseudo_time.max_rejections = 0;
         }
         settings

@@ -33,6 +33,7 @@ mod mesh_mover;
 mod motion;
 mod observation;
 pub mod preconditioner;
+mod resolution;
 mod reuse_policy;
 mod sampled_limit;
 mod schedule;

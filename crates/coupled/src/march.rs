@@ -28,6 +28,11 @@ pub trait SlabSolver {
     /// Called when the last attempt was rejected.
     fn reject(&mut self) {}
 
+    /// Whether shorter slabs are not worth a try after the failure `source`, because the caller can go on in another way.
+    fn gives_way(&self, _source: &SlabError) -> bool {
+        false
+    }
+
     /// Makes the initial state easier, so that a slab of the same length can be tried again. Returns a message, or `None` if nothing was
     /// done.
     fn ease_start(&mut self, _state: &mut State) -> Option<String> {
@@ -98,13 +103,15 @@ impl<S: SlabSolver> March<S> {
     /// Prepares another attempt after `interval` has failed: an easier start, or a shorter slab.
     ///
     /// # Errors
-    /// [`MarchError`] if neither is allowed.
+    /// [`MarchError`] if neither is allowed, or the solver gives way.
     fn go_on(&mut self, interval: Interval, source: SlabError) -> Result<(), MarchError> {
         let (cause, times) = (chain(&source), source.halvings());
         let easier = source.is_of_flow().then(|| self.solver.ease_start(&mut self.state)).flatten();
         let remedy = match easier {
             Some(done) => done,
-            None if self.schedule.shorten(&mut self.state, interval, (times, self.max_halvings)) => {
+            None if !self.solver.gives_way(&source)
+                && self.schedule.shorten(&mut self.state, interval, (times, self.max_halvings)) =>
+            {
                 self.state.failed.get_or_insert(interval);
                 "it is halved".into()
             }

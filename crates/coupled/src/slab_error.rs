@@ -109,9 +109,10 @@ fn largest_in(residual_breakdown: Option<&ResidualBreakdown>) -> String {
 /// The run stops: the smallest slab allowed could not be solved either.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "slab {slab}, t = {} to {}, could not be solved, shortened {shortened} times",
+    "slab {slab}, t = {} to {}, could not be solved{}",
     rounded_time(interval.start),
-    rounded_time(interval.end)
+    rounded_time(interval.end),
+    if *shortened > 0 { format!(", shortened {shortened} times") } else { String::new() }
 )]
 pub struct MarchError {
     /// The number of the slab.

@@ -7,6 +7,7 @@ pub use mesh_motion::{PrescribedNode, elasticity_plan, mover, mover_of, prescrib
 pub use structure::{StructureAtStart, solid, structure_at_start, structure_march, supported};
 
 use super::bodies::bodies;
+use super::fallback::split_form;
 use case::{BoundaryData, Case, Flow, Jacobian, Preconditioner, Predictor, Source, State};
 use coupled::{
     Discretisation, Discretised, FlowMarch, LaggedPreconditioner, MeshMotion, MeshMover, Method, Schedule, StartLayer,
@@ -95,7 +96,14 @@ where
     if case.solver.start_layer.is_none() && case.solver.steady.is_none() && case.restart.is_none() {
         march.solver.start_layer = start_layer(flow);
     }
+    march.solver.gives_way = gives_way(case, flow);
     Ok(march)
+}
+
+/// Whether the run goes on in a split form if an unresolved flow cannot be solved. Shocks are not resolved on purpose: their artificial viscosity
+/// may do with shorter slabs.
+fn gives_way<const D: usize>(case: &Case<D>, flow: &Flow<D>) -> bool {
+    split_form(case, flow).is_some() && flow.law.shock_capturing.is_none()
 }
 
 /// The system of a slab: the flow of `operator`, the mesh, and what the flow moves.
@@ -136,6 +144,7 @@ where
     let mover = std::mem::replace(&mut former.mesh.mover, still);
     let operator = operator(case, flow, &mover, share);
     march.solver.system = system(case, flow, mover, operator)?;
+    march.solver.gives_way = gives_way(case, flow);
     Ok(())
 }
 

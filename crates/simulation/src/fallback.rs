@@ -4,6 +4,8 @@
 //! 2. If no half can be solved either, it goes back to this checkpoint. What was written since is dropped.
 //! 3. It solves the same slab in a split form, and so all that follow. The checkpoints say so, for runs that are resumed.
 //!
+//! Where the mesh does not resolve the flow at the start of the slab, there are no halves, see [`coupled::CoupledSlab::gives_way`].
+//!
 //! The state before the halvings matters: in our tests a flow that had gone on by short slabs was lost in any form.
 
 use super::{build, checkpoint};

@@ -14,7 +14,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use tempfile::TempDir;
 
-/// A shear layer on 64 cells with the default quadrature: a slab fails at t = 1.5, and parts of it can be solved.
+/// A shear layer on 64 cells with the default quadrature: a slab fails at t = 1.5. Parts of it could be solved.
 const LAYER: [&str; 9] = [
     "mesh.generate.box.cells=[8,8]",
     "flow.order=3",
@@ -26,6 +26,9 @@ const LAYER: [&str; 9] = [
     "output.checkpoint_every=4",
     "output.fields=[\"density\"]",
 ];
+
+/// A layer of order 2, at which the highest modes tell nothing: a slab fails at t = 2.7, and parts of it are solved.
+const LAYER_IN_PARTS: [&str; 3] = ["mesh.generate.box.cells=[6,6]", "flow.order=2", "time.end=3"];
 
 /// Keeps the messages of a run, and asks it to stop after the first slab that ends later than a time.
 struct Watch {
@@ -73,16 +76,31 @@ fn a_run_goes_back_and_on_in_a_split_form_and_says_so() {
     }
     let page = std::fs::read_to_string(report::write(at).unwrap().path).unwrap();
     assert!(page.contains("does not resolve the flow: in a split form from t = 1.5"));
+    let summary = summary(at);
+    assert_eq!((number(&summary, "split_form_since"), number(&summary, "slabs")), (1.5, 40.0));
+    assert_conserves(&summary);
+    // The mesh does not resolve the flow, so nothing else was tried.
+    assert_eq!((number(&summary, "rejected_slabs"), column(at, "rejected").iter().sum()), (1.0, 1.0));
+    assert!(number(&summary, "cost.jacobian_products") > number(&summary, "krylov.total"));
+}
+
+#[test]
+fn a_run_that_has_tried_parts_of_a_slab_forgets_them_but_for_their_cost() {
+    let (directory, watch) = (TempDir::new().unwrap(), Watch::new(f64::INFINITY));
+    let at = directory.path();
+    run(at, &LAYER_IN_PARTS, Existing::Keep, &watch).unwrap();
+    let messages = watch.messages.into_inner().unwrap();
+    assert!(messages.contains("goes on from t = 2.7 in a split form"), "{messages}");
     let times = column(at, "t");
     assert!(times.windows(2).all(|pair| (pair[1] - pair[0] - 0.05).abs() < 1e-9), "the parts of the slab are gone");
     let (summary, rejected) = (summary(at), column(at, "rejected"));
-    assert_eq!((number(&summary, "split_form_since"), number(&summary, "slabs")), (1.5, 40.0));
+    assert_eq!((number(&summary, "split_form_since"), number(&summary, "slabs")), (2.7, 60.0));
     // With the parts of the slab that were tried.
-    assert!(rejected.iter().sum::<f64>() > 1.0 && number(&summary, "rejected_slabs") == rejected.iter().sum::<f64>());
+    assert!(rejected.iter().sum::<f64>() > 5.0 && number(&summary, "rejected_slabs") == rejected.iter().sum::<f64>());
     assert_conserves(&summary);
     // So do their products count, as in a run that ends there.
-    let ended = TempDir::new().unwrap();
-    run(ended.path(), &["solver.fallback=none"], Existing::Keep, &Watch::new(f64::INFINITY)).unwrap_err();
+    let (ended, alone) = (TempDir::new().unwrap(), [&LAYER_IN_PARTS[..], &["solver.fallback=none"]].concat());
+    run(ended.path(), &alone, Existing::Keep, &Watch::new(f64::INFINITY)).unwrap_err();
     let wasted = |summary: &Value| number(summary, "cost.jacobian_products") - number(summary, "krylov.total");
     let [with, without] = [&summary, &common::summary(ended.path())].map(wasted);
     assert!(with >= without && without > 50.0, "{with} and {without} products for attempts that were rejected");
@@ -130,13 +148,16 @@ fn a_case_may_forbid_it() {
 fn a_run_that_is_interrupted_has_the_same_bits() {
     let directory = TempDir::new().unwrap();
     let at = |name: &str| directory.path().join(name);
-    run(&at("through"), &[], Existing::Keep, &()).unwrap();
-    for time in [1.4, 1.501, 1.52, 1.7] {
-        let name = time.to_string();
-        let stopped = run(&at(&name), &[], Existing::Keep, &Watch::new(time));
-        assert!(matches!(stopped, Err(Failure::Stopped)), "{time}: {stopped:?}");
-        run(&at(&name), &[], Existing::Resume, &()).unwrap();
-        assert_same_bits(&at("through"), &at(&name), &format!("interrupted after {time}"));
+    for (layer, times) in [(&[][..], &[1.4, 1.51, 1.7][..]), (&LAYER_IN_PARTS, &[2.6, 2.71, 2.73, 2.8])] {
+        let through = format!("through {}", times[0]);
+        run(&at(&through), layer, Existing::Keep, &()).unwrap();
+        for time in times {
+            let name = time.to_string();
+            let stopped = run(&at(&name), layer, Existing::Keep, &Watch::new(*time));
+            assert!(matches!(stopped, Err(Failure::Stopped)), "{time}: {stopped:?}");
+            run(&at(&name), layer, Existing::Resume, &()).unwrap();
+            assert_same_bits(&at(&through), &at(&name), &format!("interrupted after {time}"));
+        }
     }
 }
 

@@ -28,9 +28,9 @@ pub(super) fn fall_back<const D: usize, const M: usize>(
     if !is_held(run) {
         recorder.checkpoint(run.store(), &context.statistics)?;
     }
-    // Also the attempts in parts of the slab that had been solved.
+    // Also the attempts in parts of the slab that had been solved, and the last one.
     let (reached, of_attempts) = (context.statistics.clone(), run.counts());
-    let rejected = reached.rejected + run.state().rejected as u64;
+    let rejected = reached.rejected + run.state().rejected as u64 + 1;
     let stored = recorder.go_back(session)?;
     let before = RunStatistics::from_arrays(&stored.state.arrays, walls(case)).unwrap_or_default();
     let rejected = rejected.saturating_sub(before.rejected) as usize;
