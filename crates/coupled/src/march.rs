@@ -25,7 +25,7 @@ pub trait SlabSolver {
         (0.0, 1)
     }
 
-    /// Called when the last attempt was rejected.
+    /// Called when the last attempt has failed.
     fn reject(&mut self) {}
 
     /// Whether shorter slabs are not worth a try after the failure `source`, because the caller can go on in another way.

@@ -4,8 +4,8 @@
 //! s = max_K ( mean_K sum_m ((u_m - P u_m) / s_m)^2 )^{1/2}                                                     (highest modes)
 //! ```
 //!
-//! P removes the Legendre polynomials of the highest degree in any coordinate of the reference cell, and s_m are the scales of
-//! [`fem::ConservationLaw::scales`]. The polynomials of a smooth flow converge, so that s is small. A slab of an unresolved flow that cannot be
+//! P removes the Legendre polynomials of the highest degree in any coordinate of the reference cell, and s_m is the mean of u_m in the cell, or
+//! its scale by [`fem::ConservationLaw::scales`] if that is larger: at a low Mach number the scales of density and energy are those of sound. The polynomials of a smooth flow converge, so that s is small. A slab of an unresolved flow that cannot be
 //! solved often has no admissible solution: then shorter slabs do not help.
 
 use basis::{Matrix, gauss_lobatto};
@@ -37,12 +37,18 @@ fn highest_modes<const D: usize, const M: usize>(flow: &SlabOperator<D, M>, u: &
     let projection = without_highest_mode(flow.tables.orders.flow);
     let weights = mean_weights::<D>(flow.tables.orders.flow);
     let of_cell = |cell: usize| {
-        let squares: [f64; M] =
-            from_fn(|m| mean_square(&projection, &weights, &u[one.component_at(cell, 0, m)]) / scales[m].powi(2));
-        inner_product::sum(&squares)
+        let of_component = |m: usize| {
+            let u = &u[one.component_at(cell, 0, m)];
+            mean_square(&projection, &weights, u) / scales[m].max(mean(&weights, u).abs()).powi(2)
+        };
+        inner_product::sum(&from_fn::<_, M, _>(of_component))
     };
-    let own = inner_product::largest(parallel::map(one.cells, Grain::Any, &of_cell));
-    flow.share.sums.largest(own).sqrt()
+    inner_product::largest_size(&parallel::map(one.cells, Grain::Any, &of_cell), &flow.share.sums).sqrt()
+}
+
+/// The mean of u over the reference cell.
+fn mean(weights: &[f64], u: &[f64]) -> f64 {
+    inner_product::sum(&weights.iter().zip(u).map(|(w, u)| w * u).collect::<Vec<_>>())
 }
 
 /// The mean of (u - P u)^2 over the reference cell.
@@ -59,8 +65,8 @@ fn mean_square(projection: &Matrix, weights: &[f64], u: &[f64]) -> f64 {
         }
         stride *= order;
     }
-    let squares = u.iter().zip(&projected).zip(weights).map(|((u, low), w)| w * (u - low).powi(2));
-    inner_product::sum(&squares.collect::<Vec<_>>())
+    let squares = u.iter().zip(&projected).map(|(u, low)| (u - low).powi(2));
+    mean(weights, &squares.collect::<Vec<_>>())
 }
 
 /// P along one axis, for values at the Gauss-Lobatto nodes: the nodes are extrema of the highest Legendre polynomial L, which has alternating

@@ -96,13 +96,12 @@ where
     if case.solver.start_layer.is_none() && case.solver.steady.is_none() && case.restart.is_none() {
         march.solver.start_layer = start_layer(flow);
     }
-    march.solver.gives_way = gives_way(case, flow);
     Ok(march)
 }
 
-/// Whether the run goes on in a split form if an unresolved flow cannot be solved. Shocks are not resolved on purpose: their artificial viscosity
+/// Whether a run goes on in a split form if an unresolved flow cannot be solved. Shocks are not resolved on purpose: their artificial viscosity
 /// may do with shorter slabs.
-fn gives_way<const D: usize>(case: &Case<D>, flow: &Flow<D>) -> bool {
+pub fn gives_way<const D: usize>(case: &Case<D>, flow: &Flow<D>) -> bool {
     split_form(case, flow).is_some() && flow.law.shock_capturing.is_none()
 }
 

@@ -144,13 +144,21 @@ pub fn incomplete() -> Failure {
 }
 
 /// The last slab of a run ends with the run and may be shorter than the others. If the run is continued, the rest of that
-/// slab is done first. Adapted slabs are not counted, so this does not apply to them.
+/// slab is done first, or after the parts of it that remain. Adapted slabs are not counted, so this does not apply to them.
 fn reopen_short_slab(state: &mut State, time: &Time) {
     if time.control.is_some() {
         return;
     }
+    let tolerance = 1e-9 * time.step;
+    if let Some(&last) = state.pending.first() {
+        let end = time.end.min(time.start + time.step * (state.nominal + 1) as f64);
+        if end - last.end > tolerance {
+            state.pending.insert(0, Interval { start: last.end, end, ..last });
+        }
+        return;
+    }
     let full_end = time.start + time.step * state.nominal as f64;
-    if state.pending.is_empty() && state.nominal > 0 && full_end - state.time > 1e-9 * time.step {
+    if state.nominal > 0 && full_end - state.time > tolerance {
         state.nominal -= 1;
     }
 }

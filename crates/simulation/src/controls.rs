@@ -7,6 +7,7 @@ use super::history;
 use super::statistics::RunStatistics;
 use crate::error::Failure;
 use case::{Case, Control, NotPositive};
+use coupled::Counts;
 use output::{Arrays, SolverState};
 
 /// The names of the arrays of a checkpoint.
@@ -82,6 +83,13 @@ impl Columns {
             builds: number("preconditioner_builds"),
             measured: case.controls.iter().map(|control| number(&control.measure)).collect(),
         }
+    }
+}
+
+/// Notes the values with which the preconditioner was made, if attempts at the next slab have made one and `cost` that.
+pub fn note_preconditioner<const D: usize>(case: &Case<D>, cost: &Counts, statistics: &mut RunStatistics) {
+    if !case.controls.is_empty() && cost.rebuilds > 0 {
+        statistics.controls_of_preconditioner = values(case);
     }
 }
 

@@ -201,7 +201,9 @@ where
 {
     let sums = Arc::new(Sums::new(communicator.clone(), case.blocks));
     let mover = build::mover_of(case, sums.clone())?;
-    Ok(build::march_of(case, flow, mover, Share::new(&case.mesh, &blocks(case)?, sums))?)
+    let mut march = build::march_of(case, flow, mover, Share::new(&case.mesh, &blocks(case)?, sums))?;
+    march.solver.gives_way = build::gives_way(case, flow);
+    Ok(march)
 }
 
 /// The largest memory of all ranks in bytes, 0 where it is not known; empty for one rank. A collective call.
@@ -231,7 +233,7 @@ pub fn begin_averages<const D: usize, const M: usize>(
 /// The integrals of the components of the present flow, between two slabs. A collective call.
 pub fn add_up<const D: usize, const M: usize>(march: &mut FlowMarch<D, M>) -> Vec<f64> {
     let FlowMarch { solver, state, .. } = march;
-    let operator = &mut solver.system.flow.operator;
-    operator.set_displacement(&state.d);
-    coupled::totals(operator, &state.u)
+    let (operator, coupled::State { time, u, d, determinants, .. }) = (&mut solver.system.flow.operator, state);
+    operator.begin_slab(*time, 0.0, Bottom { state: u, displacement: d, determinants });
+    coupled::totals(operator, u)
 }

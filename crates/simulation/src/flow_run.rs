@@ -157,6 +157,9 @@ where
     }
     fn begin_balances(&mut self, statistics: &mut RunStatistics) {
         let totals = self.totals();
+        if let Some(eased) = &mut self.march.state.eased {
+            eased.totals.clone_from(&totals);
+        }
         statistics.rebase(totals);
         statistics.rebase_bodies(&self.march.bodies(), &self.walls_of_bodies());
     }

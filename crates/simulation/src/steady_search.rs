@@ -107,7 +107,7 @@ where
             mover: system.mover(),
             share,
             displacement,
-            time: case.time.start,
+            time: state.time,
             time_unit,
             settings: steady.newton(time_unit),
             sequence: steady.sequence,
@@ -126,7 +126,9 @@ where
     fn release_bodies(&mut self) -> anyhow::Result<Equilibrium<M>> {
         let Task { case, flow, steady, is_stopped, .. } = *self;
         let march = &mut *self.march;
-        let time = Time { order: 1, step: FIRST_SLAB * flow.time_unit(), control: None, ..case.time };
+        // A run that continues another one does not stand at the start of its case.
+        let start = march.state.time;
+        let time = Time { order: 1, step: FIRST_SLAB * flow.time_unit(), start, control: None, ..case.time };
         let share = &march.solver.system.flow.operator.share;
         let with_one_node = Case { time, ..case.clone() };
         let mover = build::mover_of(&with_one_node, share.sums.clone())?;

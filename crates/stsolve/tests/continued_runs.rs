@@ -96,6 +96,20 @@ fn a_run_with_a_later_end_writes_what_a_single_run_writes() {
     assert_eq!(series(&one), series(&other));
 }
 
+/// A short last slab that could not be solved left its rest to the next slab, which was longer than `time.step`.
+#[test]
+fn no_slab_is_longer_after_a_short_one_that_failed() {
+    let directory = TempDir::new().unwrap();
+    let go = |set: &[&str], more: &[&str]| heated(directory.path(), "run", set, &[&["--output", "run"], more].concat());
+    go(&["time.end=0.2"], &[]).expect(0, &[]);
+    let fails = ["time.end=0.25", "solver={newton_steps=1,newton_tolerance=1e-12,slab_halvings=0,fallback=\"none\"}"];
+    go(&fails, &["--resume"]).expect(1, &[]);
+    go(&["time.end=0.6"], &["--resume"]).expect(0, &[]);
+    let times = common::column(&directory.path().join("run"), "t");
+    let expected = [0.0, 0.1, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6];
+    assert!(times.len() == 8 && times.iter().zip(expected).all(|(t, at)| (t - at).abs() < 1e-12), "{times:?}");
+}
+
 /// The means of a wall that was added began at the next distribution, later than all others, without a word.
 #[test]
 fn a_wall_that_is_added_begins_with_the_present_state() {

@@ -35,8 +35,12 @@ pub(super) fn run_slabs<const D: usize, const M: usize>(
                     return Ok(Some(Stop::Failed(error, None)));
                 }
             }
-            Ok(None) if is_held(run) && !was_held => recorder.checkpoint(run.store(), &context.statistics)?,
-            Ok(None) => {}
+            Ok(None) => {
+                controls::note_preconditioner(case, &run.counts(), &mut context.statistics);
+                if is_held(run) && !was_held {
+                    recorder.checkpoint(run.store(), &context.statistics)?;
+                }
+            }
             Err(error) if run.falls_back_after(&error) => {
                 given_up = Some(fall_back(case, run, recorder, context, (session, error))?);
             }

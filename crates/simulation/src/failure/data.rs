@@ -71,6 +71,8 @@ pub struct Attempt {
     pub length: f64,
     /// The number of halvings that led to it.
     pub halvings: u32,
+    /// Whether more of them were not allowed.
+    pub halvings_used_up: bool,
 }
 
 /// A solve that failed.

@@ -75,6 +75,7 @@ where
             start,
             length: end - start,
             halvings,
+            halvings_used_up: halvings as usize >= self.case.solver.slab_halvings,
         };
         let mut mesh = of_mesh::mesh(self.case, self.mover(), &grid, d, self.interval);
         if let Some(SlabError::Invalid { quality }) = self.error {

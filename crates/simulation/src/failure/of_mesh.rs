@@ -124,6 +124,6 @@ fn grid<const D: usize>(mover: &MeshMover<D>) -> Grid<'_, D> {
 fn data(gave_up: GaveUp, slabs_done: usize, interval: Interval, mesh: Mesh) -> FailureData {
     let mesh = Mesh { alone: true, ..mesh };
     let Interval { start, end, halvings } = interval;
-    let attempt = Attempt { steady: false, slabs_done, start, length: end - start, halvings };
+    let attempt = Attempt { slabs_done, start, length: end - start, halvings, ..Attempt::default() };
     FailureData { gave_up, attempt, newton: None, mesh, gas: None, structure: None, bodies: None }
 }

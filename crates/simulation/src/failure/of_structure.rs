@@ -28,7 +28,7 @@ pub fn examine<const D: usize>(
         residuals: Vec::new(),
         data: FailureData {
             gave_up: if bad_load.is_some() { GaveUp::Load } else { GaveUp::Structure },
-            attempt: Attempt { steady: false, slabs_done: state.slab, start: state.time, length, halvings: 0 },
+            attempt: Attempt { slabs_done: state.slab, start: state.time, length, ..Attempt::default() },
             newton: None,
             mesh: shape(&grid, &state.d),
             gas: None,

@@ -238,6 +238,26 @@ fn a_steady_flow_is_continued_to_another_viscosity_and_mach_number_if_that_is_al
     assert!(steps("continued_mach") < steps("mach"), "the pressure is shifted to its new level");
 }
 
+/// A wall that turns faster and faster: the flow at `time.start` of the case was searched, and the march went on at the time of the earlier run.
+#[test]
+fn a_steady_flow_is_searched_anew_at_the_time_reached() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let turning = "flow.boundary.wall.adiabatic_wall.slide=[\"-0.1*t*y\",\"0.1*t*x\"]";
+    let small = ["mesh.order=3", "mesh.generate.annulus.cells=[8,6]", "flow.order=3", turning];
+    let go = |changes: &[&str], output: &str| {
+        on_case(at, "run", "cylinder_steady", &[&small[..], changes].concat(), output, &[])
+    };
+    let lift = |output: &str| number(&summary(&at.join(output)), "steady.walls.wall.force.1");
+    let other = "flow.gas.viscosity.constant=0.03";
+    go(&["time={order=1,start=5,end=5,step=0.1}"], "first").expect(0, &[]);
+    go(&["time={order=1,start=5,end=5,step=0.1}", other], "expected").expect(0, &[]);
+    let continued = ["time={order=1,end=5,step=0.1}", other, "restart.allow=[\"viscosity\"]"];
+    go(&[&continued[..], &[&from(at, "first")]].concat(), "continued").expect(0, &[]);
+    let (found, expected) = (lift("continued"), lift("expected"));
+    assert!((found / expected - 1.0).abs() < 1e-5 && expected.abs() > 0.1, "{found} and {expected}");
+}
+
 /// `check` refuses the cases that a run would refuse.
 #[test]
 fn check_looks_at_the_result_that_a_run_would_start_from() {

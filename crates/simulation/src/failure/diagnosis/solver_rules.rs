@@ -80,7 +80,8 @@ pub fn linear_solver(data: &FailureData) -> Option<Cause> {
 /// The fastest wave travels over many nodes in a slab.
 pub fn time_step(data: &FailureData) -> Option<Cause> {
     let gas = data.gas.as_ref().filter(|gas| !data.attempt.steady && gas.waves_per_slab > 1.0)?;
-    let Attempt { length, halvings, .. } = data.attempt;
+    let Attempt { length, halvings, halvings_used_up, .. } = data.attempt;
+    let more = if halvings_used_up { ", allow more `solver.slab_halvings`" } else { "" };
     let waves = gas.waves_per_slab;
     Some(Cause {
         name: "time_step",
@@ -91,9 +92,9 @@ pub fn time_step(data: &FailureData) -> Option<Cause> {
             number(length),
             number(waves)
         ),
-        remedy: "shorten `time.step`, allow more `solver.slab_halvings`, or damp the first steps with \
-                 `solver.pseudo_time.initial_inverse = 1`"
-            .into(),
+        remedy: format!(
+            "shorten `time.step`{more}, or damp the first steps with `solver.pseudo_time.initial_inverse = 1`"
+        ),
     })
 }
 
