@@ -46,13 +46,22 @@ def with_error(quantity, rows):
 
 
 def separation(run):
-    """The zeros of the mean skin friction along the blade, each with its first letter."""
+    """The zeros of the mean skin friction along the blade, each with its first letter and its error."""
     path = run / "surface_blade_separation.csv"
     if not path.exists():
         return "-"
+    means = columns(run / "surface_blade_mean.csv")
     with open(path, newline="") as file:
         rows = list(csv.DictReader(file))
-    return ", ".join(f"{row['kind'][0]} {float(row['x']):.3f}" for row in rows)
+    return ", ".join(f"{row['kind'][0]} {float(row['x']):.4f} +- {error_of_zero(means, float(row['s'])):.4f}" for row in rows)
+
+
+def error_of_zero(means, s):
+    """The error along x of the zero of the skin friction at `s`: the error of the friction over its slope."""
+    points = sorted(zip(means["s"], means["x"], means["skin_friction"], means["skin_friction_error"]))
+    after = next((number for number, point in enumerate(points) if point[0] > s), len(points) - 1)
+    (_, x_0, friction_0, error_0), (_, x_1, friction_1, error_1) = points[max(after, 1) - 1 : max(after, 1) + 1]
+    return max(error_0, error_1) * abs((x_1 - x_0) / (friction_1 - friction_0))
 
 
 def plot(runs, path):
