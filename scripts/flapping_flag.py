@@ -11,6 +11,7 @@ first to the last upward crossing of its mean.
 import argparse
 import csv
 import pathlib
+import sys
 
 WALLS = ("cylinder", "flag")
 
@@ -19,6 +20,8 @@ def columns(run, start, end):
     """The columns of history.csv that are needed, between two times."""
     with open(run / "history.csv", newline="") as file:
         rows = [row for row in csv.DictReader(file) if start <= float(row["t"]) <= end]
+    if not rows:
+        sys.exit(f"{run}: no slab ends between t = {start} and {end}")
     force = lambda axis: [sum(float(row[f"{wall}_force_{axis}"]) for wall in WALLS) for row in rows]
     tip = lambda axis: [1e3 * float(row[f"tip_{axis}"]) for row in rows]
     return [float(row["t"]) for row in rows], {"tip_x": tip("x"), "tip_y": tip("y"), "drag": force("x"), "lift": force("y")}

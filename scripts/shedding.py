@@ -91,6 +91,8 @@ def main():
     time, step, lift, drag = columns(arguments.directory, arguments.wall)
     if arguments.start is not None:
         return irregular(arguments, (time, step, lift, drag))
+    if arguments.periods < 1:
+        sys.exit("--periods: at least 1")
     crossings = upward_crossings(time, lift)
     if len(crossings) <= arguments.periods:
         sys.exit(f"only {max(0, len(crossings) - 1)} periods so far")

@@ -14,6 +14,7 @@ import argparse
 import csv
 import pathlib
 import statistics
+import sys
 
 PARTS = 8
 STUDENT = 2.365
@@ -98,6 +99,8 @@ def main():
     for run in options.runs:
         history = columns(run / "history.csv")
         rows = [row for row, t in enumerate(history["t"]) if row > 0 and history["t"][row - 1] >= options.start - 1e-9]
+        if len(rows) < PARTS:
+            sys.exit(f"{run}: {len(rows)} slabs begin after t = {options.start}, and the error needs {PARTS}")
         quantities = [
             lambda rows: loss(history, rows),
             lambda rows: mean(history, "blade_force_x", rows),

@@ -4,8 +4,8 @@
 //! s = max_K ( mean_K sum_m ((u_m - P u_m) / s_m)^2 )^{1/2}                                                     (highest modes)
 //! ```
 //!
-//! P removes the Legendre polynomials of the highest degree in any coordinate of the reference cell, and s_m is the mean of u_m in the cell, or
-//! its scale by [`fem::ConservationLaw::scales`] if that is larger: at a low Mach number the scales of density and energy are those of sound. The polynomials of a smooth flow converge, so that s is small. A slab of an unresolved flow that cannot be
+//! P removes the Legendre polynomials of the highest degree in any coordinate of the reference cell. s_m is the mean of u_m in the cell, or
+//! its scale by [`fem::ConservationLaw::scales`] if that is larger. At a low Mach number the scales of density and energy are those of sound. The polynomials of a smooth flow converge, so that s is small. A slab of an unresolved flow that cannot be
 //! solved often has no admissible solution: then shorter slabs do not help.
 
 use basis::{Matrix, gauss_lobatto};

@@ -48,7 +48,9 @@ pub enum OutputError {
         path: PathBuf,
     },
     /// There is nothing to resume from.
-    #[error("`{path}` does not exist, so there is no checkpoint to resume from; start without resuming")]
+    #[error(
+        "`{path}` does not exist, so there is no checkpoint to resume from; start without resuming, with `--force` if files of a stopped run are left"
+    )]
     NoCheckpoint {
         /// The missing result file.
         path: PathBuf,

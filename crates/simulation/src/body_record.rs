@@ -5,10 +5,14 @@ use coupled::block::BodyState;
 /// Turning points that are kept of a coordinate: ten periods.
 const KEPT: usize = 21;
 
+/// A coordinate rests if its rate takes it so little of its range in a slab. A motion that dwells turns at the end of the rest.
+const REST: f64 = 1e-10;
+
 /// The motion of one coordinate so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Oscillation {
-    /// Time, value and rate at the end of the last slab; the least and the largest value at the ends of slabs.
+    /// Time, value and rate at the end of the last slab; the least and the largest value at the ends of slabs. While the coordinate rests, the
+    /// rate is tiny and has the sign of its last motion.
     last: Option<[f64; 5]>,
     /// Times and values of the last turning points.
     turns: Vec<[f64; 2]>,
@@ -20,7 +24,11 @@ impl Oscillation {
         let (mut low, mut high) = (q, q);
         if let Some([t0, q0, w0, least, largest]) = self.last {
             (low, high) = (least.min(q), largest.max(q));
-            if w0 * w < 0.0 {
+            if (w * (t - t0)).abs() <= REST * (high - low) {
+                self.last = Some([t, q, if w0 == 0.0 { 0.0 } else { f64::MIN_POSITIVE.copysign(w0) }, low, high]);
+                return;
+            }
+            if w0 < 0.0 && w > 0.0 || w0 > 0.0 && w < 0.0 {
                 if self.turns.len() == KEPT {
                     self.turns.remove(0);
                 }
@@ -197,6 +205,36 @@ mod tests {
             coordinate.add(t, q, w);
             let frequency = coordinate.figures(0.0).frequency;
             assert!(frequency.is_none_or(|frequency| (frequency - 1.0).abs() < 1e-6), "{frequency:?} at {t}");
+        }
+    }
+
+    /// Up within 1, at rest for 1, down within 1, at rest for 1: where the rate was zero the turn was lost, or found where rounding changed its sign.
+    #[test]
+    fn a_motion_that_dwells_has_its_period() {
+        let rise = |t: f64| {
+            if t <= 0.0 {
+                [0.0, 0.0]
+            } else if t >= 1.0 {
+                [1.0, 0.0]
+            } else {
+                [t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t)]
+            }
+        };
+        for (step, rounding) in [(0.05, 0.0), (0.04, 1e-31), (0.0625, 0.0), (0.1, 1e-17)] {
+            let mut coordinate = Oscillation::default();
+            for k in 0..=(16.0_f64 / step).round() as usize {
+                let (t, noise) = (step * k as f64, if k % 3 == 0 { rounding } else { -rounding });
+                let (mut q, mut w) = (0.0, noise);
+                for turn in 0..8 {
+                    let ([height, rate], sign) =
+                        (rise(t - 2.0 * f64::from(turn)), if turn % 2 == 0 { 0.1 } else { -0.1 });
+                    (q, w) = (q + sign * height, w + sign * rate);
+                }
+                coordinate.add(t, q, w);
+            }
+            let output::Oscillation { amplitude, frequency } = coordinate.figures(0.0);
+            assert!((frequency.unwrap() - 0.25).abs() < 1e-3, "{frequency:?} by steps of {step}");
+            assert!((amplitude.unwrap() - 0.05).abs() < 1e-6, "{amplitude:?} by steps of {step}");
         }
     }
 

@@ -1,6 +1,6 @@
-//! Values of boundary conditions in a slab that failed.
+//! Values of formulas in a slab that failed.
 
-use case::{Case, Flow, NotPositive};
+use case::{Case, Flow, NoValue, NotPositive};
 use coupled::{Interval, MeshMover};
 use std::array::from_fn;
 
@@ -15,11 +15,30 @@ pub fn not_positive<const D: usize>(
     d: &[f64],
     interval: Interval,
 ) -> Option<NotPositive> {
-    let Interval { start, end, .. } = interval;
-    let times: Vec<f64> = (0..=PARTS).map(|part| start + (end - start) * part as f64 / PARTS as f64).collect();
-    let displacement = |cell: usize, k: usize, _: &[f64; D]| {
+    flow.not_positive(&case.mesh, displacement(mover, d), &times(interval))
+}
+
+/// The first formula of a source or a boundary that has no value within `interval`, where the mesh is at its begin.
+pub fn without_value<const D: usize>(
+    (case, flow): (&Case<D>, &Flow<D>),
+    mover: &MeshMover<D>,
+    d: &[f64],
+    interval: Interval,
+) -> Option<NoValue> {
+    flow.without_value(&case.mesh, displacement(mover, d), &times(interval))
+}
+
+fn times(Interval { start, end, .. }: Interval) -> Vec<f64> {
+    (0..=PARTS).map(|part| start + (end - start) * part as f64 / PARTS as f64).collect()
+}
+
+/// The displacement `d` of (cell, node of the cell, position at rest).
+fn displacement<'a, const D: usize>(
+    mover: &'a MeshMover<D>,
+    d: &'a [f64],
+) -> impl Fn(usize, usize, &[f64; D]) -> [f64; D] + 'a {
+    |cell, k, _| {
         let node = mover.numbering.cell(cell)[k];
         from_fn(|i| d[node * D + i])
-    };
-    flow.not_positive(&case.mesh, displacement, &times)
+    }
 }

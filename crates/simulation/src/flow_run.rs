@@ -7,7 +7,7 @@ mod steady_start;
 use super::averages::{AverageSums, add_slab};
 use super::bodies::is_of_body;
 use super::body_record::BodyRecord;
-use super::boundary_values::not_positive;
+use super::boundary_values::{not_positive, without_value};
 use super::context::{RunContext, Stop};
 use super::crew::{self, Crew, OfCells, Order, Orders, Own, Together, begin_averages};
 use super::drive::{Call, Run, drive};
@@ -149,8 +149,12 @@ where
         let Some(MarchError { source, interval, .. }) = error.downcast_ref::<MarchError>() else { return false };
         let is_of_flow = source.is_of_flow() || matches!(source, SlabError::Guess(_));
         let (problem, mover) = ((self.case, &*self.flow), &self.march.solver.system.mesh.mover);
-        // No other form has a solution for a boundary value that no gas has.
-        is_of_flow && self.can_fall_back() && not_positive(problem, mover, &self.march.state.d, *interval).is_none()
+        let d = &self.march.state.d;
+        // No other form has a solution for a boundary value that no gas has, or for none.
+        is_of_flow
+            && self.can_fall_back()
+            && not_positive(problem, mover, d, *interval).is_none()
+            && without_value(problem, mover, d, *interval).is_none()
     }
     fn awaits_start(&self, statistics: &RunStatistics) -> bool {
         self.case.solver.steady.is_some() && self.state().slab == 0 && statistics.steady.is_none()

@@ -10,8 +10,8 @@ use crate::destination::Destination;
 use crate::error::Failure;
 use crate::observer::{NextStep, Observer};
 use crate::session::Session;
-use case::Case;
 use case::rounded_time;
+use case::{Case, Observed};
 use coupled::{MeshMarch, MeshQuality, MeshReport};
 use output::{Checkpoint, Summary};
 use std::sync::Arc;
@@ -33,7 +33,12 @@ pub fn move_mesh<const D: usize, const M: usize>(
     }
     let mover = build::mover(case).map_err(Failure::bad_input)?;
     let mesh = Arc::new(MeshView::new(&mover.reference, &mover.numbering));
-    let case = &Case { flow: None, structure: None, ..case.clone() };
+    let (averages, observed) = match &case.flow {
+        // Nothing else would be written of the flow than NaN.
+        Some(_) => (None, Observed::default()),
+        None => (case.averages.clone(), case.observed.clone()),
+    };
+    let case = &Case { flow: None, structure: None, averages, observed, ..case.clone() };
     let march = MeshMarch::new(mover, case.time.schedule(), case.solver.slab_halvings as u32);
     drive::<D, M, _>(case, MeshRun { case, march, inverted: None }, &mesh, call)
 }

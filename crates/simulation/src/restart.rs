@@ -46,8 +46,8 @@ pub struct Start {
     pub surfaces: Vec<Series>,
     /// The walls with distributions of which the earlier run kept none.
     pub added_walls: Vec<String>,
-    /// Whether the earlier run has another mesh.
-    pub is_on_other_mesh: bool,
+    /// Whether the distributions along walls begin anew: on another mesh, or with other orders.
+    pub begins_surfaces: bool,
     /// Whether the earlier run has only searched a steady flow, and this one searches another.
     pub searches_anew: bool,
     /// Whether the energies of flow and bodies are measured in another way than when the balances of the earlier run began.
@@ -89,8 +89,7 @@ pub fn read<const D: usize, const M: usize>(
     let origin = Origin { path, result, stored };
     let start = origin.continued::<D, M>(case, flow, mover).map_err(Failure::bad_input)?;
     // A run that searches the steady flow anew has none of its distributions.
-    let names =
-        if start.searches_anew || start.is_on_other_mesh { Vec::new() } else { origin.result.series_names()? };
+    let names = if start.searches_anew || start.begins_surfaces { Vec::new() } else { origin.result.series_names()? };
     let surfaces: Result<Vec<_>, _> = names.iter().map(|name| origin.result.series(name)).collect();
     Ok(Some(Start { surfaces: surfaces?.into_iter().flatten().collect(), ..start }))
 }
@@ -131,8 +130,11 @@ impl Origin {
         state.boundary_jumps = self.jumps(case, mover, &state);
         warnings.extend(self.misunderstood_start(case, state.time)?);
         warnings.extend(self.unfinished_search(case, &state, &sums)?);
+        let has_other_orders = from != to;
         let (added_walls, late) = if is_other_mesh {
             (surfaces::listed(case), late_averages(case, state.time))
+        } else if has_other_orders {
+            (surfaces::listed(case), surfaces::begun_anew(case, state.time))
         } else {
             let added = surfaces::added(case, &metadata.case_text);
             let late = surfaces::late_means(case, &added, state.time);
@@ -159,8 +161,8 @@ impl Origin {
             || self.is_other(case, &["bodies", "structure"])?;
         let keeps_averages = !is_other_mesh && !searches_anew;
         let checkpoint = self.with_numbers_of_cells(continued, keeps_cells, keeps_averages);
-        let (surfaces, is_on_other_mesh) = (Vec::new(), is_other_mesh);
-        Ok(Start { checkpoint, warnings, surfaces, added_walls, is_on_other_mesh, searches_anew, is_measured_anew })
+        let (surfaces, begins_surfaces) = (Vec::new(), is_other_mesh || has_other_orders);
+        Ok(Start { checkpoint, warnings, surfaces, added_walls, begins_surfaces, searches_anew, is_measured_anew })
     }
 
     /// A warning if the run has not finished its search for a steady flow, and this one does not search.

@@ -199,6 +199,36 @@ fn bodies_that_cannot_be_are_refused() {
     }
 }
 
+/// A piston that moves along the walls beside it took the nodes that it shares with them out of their planes.
+#[test]
+fn a_body_does_not_take_nodes_of_other_walls_along() {
+    let directory = TempDir::new().unwrap();
+    let case = |freedom: &str| {
+        format!(
+            r#"
+            mesh = {{ order = 2, generate.box = {{ lower = [0, 0, 0], upper = [1, 1, 1], cells = [2, 2, 2] }} }}
+            motion.boundary.others = "slide"
+            time = {{ order = 2, end = 0.1, slabs = 1 }}
+            flow.order = 2
+            flow.initial.uniform = {{ density = 1, velocity = [0, 0, 0], pressure = 1 }}
+            flow.reference = {{ density = 1, speed = 1, pressure = 1 }}
+            flow.boundary.others = "slip_wall"
+            bodies.left = {{ mass = 3, moment_of_inertia = 1, {freedom} }}
+            "#
+        )
+    };
+    for (freedom, refused) in [
+        ("x = {}", None),
+        ("y = {}", Some("`bottom` holds the mesh along y, and `left` can move along it")),
+        ("rotation = {}", Some("can move along it")),
+        ("rotation = {}, axis = [1, 0, 0]", Some("can move along it")),
+    ] {
+        std::fs::write(directory.path().join("case.toml"), case(freedom)).unwrap();
+        let outcome = stsolve(directory.path(), &["check", "case.toml", "--probe", "never"]);
+        outcome.expect(if refused.is_some() { 2 } else { 0 }, &Vec::from_iter(refused));
+    }
+}
+
 /// A cylinder that turns about its axis, and its mesh with it.
 const TURNING: &str = r#"
     mesh = { order = 4, generate.annulus = { inner_radius = 0.5, outer_radius = 8, first_cell = 0.2, cells = [8, 6] } }

@@ -57,6 +57,30 @@ fn a_cell_that_inverts_stops_the_run_at_the_last_good_slab() {
     }
 }
 
+/// A table that ends within the run: the mesh was blamed, and the split form tried.
+#[test]
+fn formulas_without_a_value_are_named() {
+    let directory = TempDir::new().unwrap();
+    let case = r#"
+        mesh = { order = 2, generate = { box = { lower = [0, 0], upper = [2, 0.5], cells = [4, 1] } } }
+        tables.b = { t = [0, 0.3, 0.6], values = [0, 0.05, 0.02] }
+        time = { order = 2, end = 1, step = 0.1 }
+        [flow]
+        order = 3
+        reference = { density = 1, speed = 1, pressure = 1 }
+        initial = { uniform = { density = 1, velocity = [0.3, 0], pressure = 1 } }
+    "#;
+    let ends = "if((t < 0.62) + (t > 0.7), 0.01, b(t))";
+    let state = "boundary = { left = { prescribed_state = { expression = { density = 1, velocity = [\"0.3 + ENDS\", 0], pressure = 1 } } }, others = \"slip_wall\" }";
+    let source = "boundary = { others = \"slip_wall\" }\nsource = { acceleration = [\"ENDS\", 0] }";
+    for (more, of) in [(state, "flow.boundary.left"), (source, "flow.source")] {
+        std::fs::write(directory.path().join("case.toml"), case.to_owned() + &more.replace("ENDS", ends)).unwrap();
+        let outcome = stsolve(directory.path(), &["run", "case.toml", "--output", "run", "--force"]);
+        outcome.expect(1, &["likely cause: a formula of `", of, "has no finite value", "a table that covers it"]);
+        assert!(!outcome.stderr.contains("split form"), "{}", outcome.stderr);
+    }
+}
+
 /// A boundary value that is negative for a while, between the times at which `check` looks: some runs went on with it, others blamed the mesh.
 #[test]
 fn boundary_values_that_no_gas_has_are_named() {

@@ -100,6 +100,19 @@ impl<const D: usize> RigidBody<D> {
         })
     }
 
+    /// Whether the body can move its point at `x` along an axis. A point that is at most `tolerance` from the axis of a rotation stays.
+    pub(super) fn moves_along(&self, axis: usize, x: &[f64; D], tolerance: f64) -> bool {
+        self.freedoms.iter().any(|freedom| match freedom.direction {
+            Direction::Translation(along) => along[axis] != 0.0,
+            Direction::Rotation(about) => {
+                let arm: [f64; 3] = std::array::from_fn(|i| if i < D { x[i] - self.pivot[i] } else { 0.0 });
+                let along: f64 = (0..3).map(|i| about[i] * arm[i]).sum();
+                let square: f64 = (0..3).map(|i| (arm[i] - along * about[i]).powi(2)).sum();
+                about[axis].abs() < 1.0 && square.sqrt() > tolerance
+            }
+        })
+    }
+
     /// The distance of `x` from the pivot.
     fn distance(&self, x: &[f64; D]) -> f64 {
         (0..D).map(|d| (x[d] - self.pivot[d]).powi(2)).sum::<f64>().sqrt()

@@ -46,7 +46,9 @@ pub(super) fn check_rate(checker: &Checker<'_>, key: &Key, motion: Arguments<'_>
 
 /// The error of a displacement that has no value at `x` and `t`.
 pub(super) fn undefined<const D: usize>(checker: &Checker<'_>, key: &Key, x: &[f64; D], t: f64) -> Box<CaseError> {
-    let ranges = checker.tables().map(|(name, table)| {
+    // A table that goes on beyond its ends has a value everywhere.
+    let ends = checker.tables().filter(|(_, table)| table.evaluate(t).is_nan());
+    let ranges = ends.map(|(name, table)| {
         let (first, last) = table.range();
         format!("; table `{name}` reaches from {first} to {last}")
     });

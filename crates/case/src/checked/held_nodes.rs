@@ -1,12 +1,12 @@
-//! Nodes of a structure that other boundaries of the flow hold.
+//! Nodes of a structure or a rigid body that other boundaries of the flow hold.
 
 use super::mesh_crate::{Mesh, NodeNumbering};
 use super::parts::SolidPart;
-use super::{Motion, Structure, Time};
+use super::{Motion, RigidBody, Structure, Time};
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
 use coupled::BoundaryField;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What holds a node, by component: None where it is free.
 type Held<const D: usize> = [Option<f64>; D];
@@ -43,6 +43,52 @@ pub(super) fn check<const D: usize>(
     Ok(())
 }
 
+/// A rigid body takes the nodes of its walls along. Boundaries that share some of them must not hold them along a component in which the body
+/// can move: they would leave their planes. `moved` are the boundaries that bodies and structures move. Where the mesh follows by weights all nodes move.
+pub(super) fn check_bodies<const D: usize>(
+    checker: &Checker<'_>,
+    bodies: &[RigidBody<D>],
+    (motion, moved): (Option<&Motion<D>>, &[bool]),
+    mesh: &Mesh<D>,
+) -> Checked<()> {
+    let bodies: Vec<_> = bodies.iter().filter(|body| body.mesh.is_none()).collect();
+    if bodies.is_empty() {
+        return Ok(());
+    }
+    let numbering = NodeNumbering::new(mesh, mesh.order());
+    for body in bodies {
+        let of_wall = |wall: &usize| super::shared_nodes::nodes_on(mesh, &numbering, *wall).map(|(node, _)| node);
+        let nodes: BTreeSet<usize> = body.walls.iter().flat_map(of_wall).collect();
+        for boundary in (0..moved.len()).filter(|boundary| !moved[*boundary]) {
+            let shared =
+                super::shared_nodes::nodes_on(mesh, &numbering, boundary).filter(|(node, _)| nodes.contains(node));
+            for (node, x) in shared {
+                let held = held_components(motion, boundary, node);
+                let moves = |axis: &usize| held[*axis] && body.moves_along(*axis, &x, 1e-9 * mesh.diameter());
+                if let Some(axis) = (0..D).find(moves) {
+                    return Err(leaves(
+                        checker,
+                        &body.name,
+                        &mesh.boundary_names()[boundary],
+                        &x,
+                        ["x", "y", "z"][axis],
+                    ));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+fn leaves(checker: &Checker<'_>, body: &str, boundary: &str, x: &[f64], axis: &str) -> Box<crate::CaseError> {
+    let problem =
+        format!("at {x:?} the boundary `{boundary}` holds the mesh along {axis}, and `{body}` can move along it");
+    let accepted = format!(
+        "walls of a body that share no nodes with boundaries across which it moves; `motion.boundary.{boundary} = \"slide\"` where it moves in their plane"
+    );
+    checker.combination(&super::bodies::key_of(body), &problem, &accepted)
+}
+
 fn refused<const D: usize>(
     checker: &Checker<'_>,
     mesh: &Mesh<D>,
@@ -71,10 +117,19 @@ fn supported<const D: usize>(structure: &Structure<D>, part: &SolidPart<D>, t: f
     nodes
 }
 
+/// The components that a boundary of the flow holds at a node; without a motion it is fixed.
+fn held_components<const D: usize>(motion: Option<&Motion<D>>, boundary: usize, node: usize) -> [bool; D] {
+    match motion {
+        Some(Motion::Elastic { slides, .. }) => slides[boundary].as_ref().map_or([true; D], |slide| slide[&node]),
+        Some(_) => [false; D],
+        None => [true; D],
+    }
+}
+
 /// What a boundary of the flow prescribes at a node.
 fn held<const D: usize>(motion: Option<&Motion<D>>, boundary: usize, node: usize, x: &[f64; D], t: f64) -> Held<D> {
-    let Some(Motion::Elastic { boundary: motions, slides, .. }) = motion else { return [None; D] };
-    let components = slides[boundary].as_ref().map_or([true; D], |slide| slide[&node]);
+    let Some(Motion::Elastic { boundary: motions, .. }) = motion else { return [None; D] };
+    let components = held_components(motion, boundary, node);
     let d = motions[boundary].as_ref().map_or([0.0; D], |motion| motion.displacement(node, x, t));
     std::array::from_fn(|i| components[i].then_some(d[i]))
 }

@@ -19,6 +19,7 @@ mod initial;
 mod mesh;
 mod motion;
 mod movers;
+mod no_value;
 mod openings;
 mod over_run;
 mod parallel;
@@ -55,6 +56,7 @@ pub use flow::Flow;
 pub use forces::Wall;
 pub use given_values::NotPositive;
 pub use motion::{Motion, Stiffness};
+pub use no_value::NoValue;
 pub use parts::SolidPart;
 pub use probes::{Line, Observed, Probe, Slice, is_name_of_average};
 pub use resolved::{

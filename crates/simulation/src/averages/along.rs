@@ -75,6 +75,18 @@ impl<'a> AlongFiles<'a> {
         averages.iter().flat_map(|average| self.moments.average(average, whole, &others, &means)).collect()
     }
 
+    /// The mean of the averages on `lines` at the same place, weighted by their lengths. Jumps between cells are no fluctuations.
+    fn where_lines_meet(&self, lines: &[&[LineNode]]) -> Vec<f64> {
+        let length = |line: &[LineNode]| line.iter().map(|node| node.weight).sum::<f64>();
+        let whole: f64 = lines.iter().map(|line| length(line)).sum();
+        let mut mean = vec![0.0; self.on_line(lines[0]).len()];
+        for line in lines {
+            let part = length(line) / whole;
+            mean.iter_mut().zip(self.on_line(line)).for_each(|(mean, here)| *mean += part * here);
+        }
+        mean
+    }
+
     /// The first `count` numbers of `node` in `values`, `[number][node]`.
     fn column(&self, values: &[f64], count: usize, node: usize) -> Vec<f64> {
         values.iter().skip(node).step_by(self.nodes).take(count).copied().collect()
@@ -95,8 +107,8 @@ impl<'a> AlongFiles<'a> {
             .collect();
         let points: Vec<&[f64]> = all.iter().map(|(point, _)| *point).collect();
         for group in clusters(&points, self.section.tolerance) {
-            let line: Vec<LineNode> = group.iter().flat_map(|&number| all[number].1).copied().collect();
-            let numbers = [points[group[0]], &self.on_line(&line)].concat();
+            let lines: Vec<&[LineNode]> = group.iter().map(|&number| all[number].1).collect();
+            let numbers = [points[group[0]], &self.where_lines_meet(&lines)].concat();
             // Writing to a string cannot fail.
             let _ =
                 writeln!(text, "{}", numbers.iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(","));

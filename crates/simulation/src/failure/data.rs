@@ -1,7 +1,7 @@
 //! Measurements of a failed run: plain numbers, relative if there is a reference.
 
 use super::super::openings::Record;
-use case::NotPositive;
+use case::{NoValue, NotPositive};
 use serde::Serialize;
 
 /// Exactly the data that the diagnosis reads.
@@ -211,6 +211,8 @@ pub struct Gas {
     pub openings: Vec<OpeningMisuse>,
     /// A value of a boundary condition within the slab that must be positive and is not.
     pub not_positive: Option<NotPositive>,
+    /// A formula of a source or a boundary that has no value within the slab.
+    pub without_value: Option<NoValue>,
 }
 
 /// How a flow starts.

@@ -61,7 +61,8 @@ const OF_STRUCTURE: [Rule; 6] = [
     structure_rules::nearly_incompressible,
 ];
 
-const OF_FLOW: [Rule; 19] = [
+const OF_FLOW: [Rule; 20] = [
+    gas_rules::no_value,
     gas_rules::boundary_value,
     gas_rules::opening,
     gas_rules::near_vacuum,

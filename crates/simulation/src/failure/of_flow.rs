@@ -9,7 +9,7 @@ use super::grid::Grid;
 use super::of_bodies;
 use super::of_mesh::{self, inverted};
 use crate::body_checks::unheld;
-use crate::boundary_values::not_positive;
+use crate::boundary_values::{not_positive, without_value};
 use crate::cells::StateInCells;
 use case::{Case, Flow, State};
 use coupled::{
@@ -221,6 +221,7 @@ where
             kick: if self.case.motion.is_some() { gases.start.kick } else { 0.0 },
             start: self.flow_start(),
             not_positive: not_positive((self.case, flow), self.mover(), &self.state.d, self.interval),
+            without_value: without_value((self.case, flow), self.mover(), &self.state.d, self.interval),
         }
     }
 

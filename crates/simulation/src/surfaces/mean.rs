@@ -1,7 +1,7 @@
 //! Means over time of the distribution along a wall, and where the mean flow separates from it.
 //!
 //! ```text
-//! <q>(s) = sum_k w_k sum_j area_j q_j(t_k) / sum_k w_k sum_j area_j,    over the rows j at the same point                              (mean)
+//! <q>(s) = sum_k w_k q(t_k) / sum_k w_k,    q = sum_j area_j q_j / sum_j area_j over the rows j at the same point                     (mean)
 //! w_k = int h_k dt,    h_k the piecewise linear function that is 1 at t_k and 0 at the other times, over the interval of the averages
 //! c_s = c_f . t,    t along increasing s, with the gas on the right                                                (skin friction)
 //! error = 2.36 sd(<q>_1, ..., <q>_8) / 8^1/2,    <q>_b the means over eight parts of the interval                                     (error)
@@ -134,15 +134,22 @@ impl<'a> Snapshots<'a> {
         }
     }
 
-    /// The mean of `of` over the rows of `group` by area, and over the snapshots by their `weights`.
+    /// The mean of `of` over the rows of `group` by area, and over the snapshots by their `weights`: a wall that becomes longer has no larger
+    /// part in the mean over time.
     fn mean(&self, weights: &[f64], group: &[usize], of: impl Fn(&[f64]) -> f64) -> f64 {
-        let (mut sum, mut total) = (0.0, 0.0);
-        for (values, weight) in self.values.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
+        let at_one_time = |values: &[f64]| {
+            let (mut sum, mut area) = (0.0, 0.0);
             for number in group {
                 let row = &values[number * self.width..][..self.width];
-                sum += weight * row[self.area] * of(row);
-                total += weight * row[self.area];
+                sum += row[self.area] * of(row);
+                area += row[self.area];
             }
+            sum / area
+        };
+        let (mut sum, mut total) = (0.0, 0.0);
+        for (values, weight) in self.values.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
+            sum += weight * at_one_time(values);
+            total += weight;
         }
         sum / total
     }

@@ -86,6 +86,28 @@ fn averages_along_a_stretched_axis_are_exact() {
     }
 }
 
+/// A coarse shear flow in which nothing fluctuates: the jump of its gradient between cells counted as a fluctuation.
+#[test]
+fn jumps_between_cells_are_no_fluctuations() {
+    let directory = TempDir::new().unwrap();
+    let text = r#"
+        mesh = { order = 2, generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 4], periodic = ["x"] } }
+        time = { order = 1, end = 1e-9, step = 1e-9 }
+        output.averages = { from = 0, along = ["x"], fields = ["velocity", "reynolds_stress", "kinetic_energy_budget"] }
+        [flow]
+        order = 2
+        gas = { gamma = 1.4, prandtl = 0.72, viscosity = { constant = 0.1 } }
+        reference = { density = 1, speed = 1, pressure = 20 }
+        initial.expression = { density = 1, velocity = ["4*y*(1-y)", 0], pressure = 20 }
+        boundary.others.adiabatic_wall = {}
+    "#;
+    run(directory.path(), text, &[]);
+    let (names, rows) = along(&directory.path().join("run"));
+    let dissipation = names.iter().position(|name| name == "dissipation").unwrap();
+    assert_eq!(rows.len(), 5);
+    assert!(rows.iter().all(|row| row[dissipation].abs() < 1e-15), "{rows:?}");
+}
+
 /// The span of a box: one cell of the file for each stack of four.
 #[test]
 fn averages_along_a_span_are_a_plane_for_a_viewer() {

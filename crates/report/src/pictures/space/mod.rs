@@ -62,7 +62,11 @@ impl Space {
         snapshots.first()?.q_criterion::<M>(0, 0)?;
         let samples = level::samples::<D, M>(&region, snapshots);
         let level = given.or_else(|| samples.level::<D, M>(snapshots, region.domain))?;
-        let shown = region.shown(&samples.vortices::<D, M>(level, snapshots));
+        let mut shown = region.shown(&samples.vortices::<D, M>(level, snapshots));
+        if shown.is_empty() {
+            // No Q is above the given level, and there are no walls.
+            shown.push(region.domain);
+        }
         let windows = Camera::all().into_iter().map(|camera| window(camera, &shown, level, given.is_some())).collect();
         Some(Space { level, region, windows })
     }

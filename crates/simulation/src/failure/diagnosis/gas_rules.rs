@@ -3,7 +3,7 @@
 use super::super::data::{Extreme, FailureData, FlowStart, Gas, Mismatch, OpeningMisuse};
 use super::{Cause, number, rises};
 use crate::openings::Misuse;
-use case::NotPositive;
+use case::{NoValue, NotPositive};
 
 /// Whether the run has begun with the initial state of its case.
 fn has_initial_state(gas: &Gas) -> bool {
@@ -48,6 +48,17 @@ pub fn opening(data: &FailureData) -> Option<Cause> {
         likelihood,
         what: opening.told.clone(),
         remedy: opening.record.now.misuse.remedy(&opening.boundary),
+    })
+}
+
+/// A formula has no value: a table that ends, a root of a negative number.
+pub fn no_value(data: &FailureData) -> Option<Cause> {
+    let NoValue { of, x, t } = data.gas.as_ref()?.without_value.as_ref()?;
+    Some(Cause {
+        name: "no_value",
+        likelihood: 1.0,
+        what: format!("a formula of `{of}` has no finite value at {x:?} and t = {t}"),
+        remedy: "a formula with a value over the whole run; a table that covers it, or one whose `ends` are \"at_rest\" or \"periodic\"".into(),
     })
 }
 

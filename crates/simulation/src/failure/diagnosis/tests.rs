@@ -40,6 +40,7 @@ fn nothing_suspicious() -> FailureData {
             start: FlowStart::OtherState,
             openings: Vec::new(),
             not_positive: None,
+            without_value: None,
         }),
         structure: None,
         bodies: None,
