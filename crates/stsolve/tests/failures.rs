@@ -63,7 +63,7 @@ fn formulas_without_a_value_are_named() {
     let directory = TempDir::new().unwrap();
     let case = r#"
         mesh = { order = 2, generate = { box = { lower = [0, 0], upper = [2, 0.5], cells = [4, 1] } } }
-        tables.b = { t = [0, 0.3, 0.6], values = [0, 0.05, 0.02] }
+        tables.b = { t = [0, 0.2, 0.4, 0.6], values = [0, 0.04, 0.05, 0.02] }
         time = { order = 2, end = 1, step = 0.1 }
         [flow]
         order = 3

@@ -1,4 +1,4 @@
-//! Nodes of a structure or a rigid body that other boundaries of the flow hold.
+//! Nodes of a structure or a rigid body on other boundaries of the flow, which hold them.
 
 use super::mesh_crate::{Mesh, NodeNumbering};
 use super::parts::SolidPart;
@@ -43,12 +43,12 @@ pub(super) fn check<const D: usize>(
     Ok(())
 }
 
-/// A rigid body takes the nodes of its walls along. Boundaries that share some of them must not hold them along a component in which the body
-/// can move: they would leave their planes. `moved` are the boundaries that bodies and structures move. Where the mesh follows by weights all nodes move.
+/// A rigid body takes the nodes of its walls along. Plane boundaries that share some of them must not be left by them: the body cannot move across
+/// these planes. `moved` are the boundaries that bodies and structures move. Where the mesh follows by weights all nodes move.
 pub(super) fn check_bodies<const D: usize>(
     checker: &Checker<'_>,
     bodies: &[RigidBody<D>],
-    (motion, moved): (Option<&Motion<D>>, &[bool]),
+    moved: &[bool],
     mesh: &Mesh<D>,
 ) -> Checked<()> {
     let bodies: Vec<_> = bodies.iter().filter(|body| body.mesh.is_none()).collect();
@@ -56,23 +56,16 @@ pub(super) fn check_bodies<const D: usize>(
         return Ok(());
     }
     let numbering = NodeNumbering::new(mesh, mesh.order());
+    let nodes_on = |boundary: usize| super::shared_nodes::nodes_on(mesh, &numbering, boundary);
     for body in bodies {
-        let of_wall = |wall: &usize| super::shared_nodes::nodes_on(mesh, &numbering, *wall).map(|(node, _)| node);
-        let nodes: BTreeSet<usize> = body.walls.iter().flat_map(of_wall).collect();
+        let nodes: BTreeSet<usize> = body.walls.iter().flat_map(|wall| nodes_on(*wall).map(|(node, _)| node)).collect();
         for boundary in (0..moved.len()).filter(|boundary| !moved[*boundary]) {
-            let shared =
-                super::shared_nodes::nodes_on(mesh, &numbering, boundary).filter(|(node, _)| nodes.contains(node));
-            for (node, x) in shared {
-                let held = held_components(motion, boundary, node);
-                let moves = |axis: &usize| held[*axis] && body.moves_along(*axis, &x, 1e-9 * mesh.diameter());
-                if let Some(axis) = (0..D).find(moves) {
-                    return Err(leaves(
-                        checker,
-                        &body.name,
-                        &mesh.boundary_names()[boundary],
-                        &x,
-                        ["x", "y", "z"][axis],
-                    ));
+            // A boundary that is no plane normal to an axis has no such axes.
+            let Ok(normal) = mesh.normal_axes(&numbering, boundary) else { continue };
+            for (node, x) in nodes_on(boundary).filter(|(node, _)| nodes.contains(node)) {
+                let across = |axis: &usize| normal[&node][*axis] && body.moves_along(*axis, &x, 1e-9 * mesh.diameter());
+                if let Some(axis) = (0..D).find(across) {
+                    return Err(leaves(checker, &body.name, &mesh.boundary_names()[boundary], &x, axis));
                 }
             }
         }
@@ -80,13 +73,13 @@ pub(super) fn check_bodies<const D: usize>(
     Ok(())
 }
 
-fn leaves(checker: &Checker<'_>, body: &str, boundary: &str, x: &[f64], axis: &str) -> Box<crate::CaseError> {
-    let problem =
-        format!("at {x:?} the boundary `{boundary}` holds the mesh along {axis}, and `{body}` can move along it");
-    let accepted = format!(
-        "walls of a body that share no nodes with boundaries across which it moves; `motion.boundary.{boundary} = \"slide\"` where it moves in their plane"
+fn leaves(checker: &Checker<'_>, body: &str, boundary: &str, x: &[f64], axis: usize) -> Box<crate::CaseError> {
+    let axis = ["x", "y", "z"][axis];
+    let problem = format!(
+        "the node at {x:?} lies on the boundary `{boundary}`, too, and would leave its plane, for `{body}` can move along {axis}"
     );
-    checker.combination(&super::bodies::key_of(body), &problem, &accepted)
+    let accepted = "a body that moves along the planes of the boundaries with which its walls share nodes";
+    checker.combination(&super::bodies::key_of(body), &problem, accepted)
 }
 
 fn refused<const D: usize>(
@@ -117,19 +110,10 @@ fn supported<const D: usize>(structure: &Structure<D>, part: &SolidPart<D>, t: f
     nodes
 }
 
-/// The components that a boundary of the flow holds at a node; without a motion it is fixed.
-fn held_components<const D: usize>(motion: Option<&Motion<D>>, boundary: usize, node: usize) -> [bool; D] {
-    match motion {
-        Some(Motion::Elastic { slides, .. }) => slides[boundary].as_ref().map_or([true; D], |slide| slide[&node]),
-        Some(_) => [false; D],
-        None => [true; D],
-    }
-}
-
 /// What a boundary of the flow prescribes at a node.
 fn held<const D: usize>(motion: Option<&Motion<D>>, boundary: usize, node: usize, x: &[f64; D], t: f64) -> Held<D> {
-    let Some(Motion::Elastic { boundary: motions, .. }) = motion else { return [None; D] };
-    let components = held_components(motion, boundary, node);
+    let Some(Motion::Elastic { boundary: motions, slides, .. }) = motion else { return [None; D] };
+    let components = slides[boundary].as_ref().map_or([true; D], |slide| slide[&node]);
     let d = motions[boundary].as_ref().map_or([0.0; D], |motion| motion.displacement(node, x, t));
     std::array::from_fn(|i| components[i].then_some(d[i]))
 }

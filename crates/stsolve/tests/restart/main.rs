@@ -252,7 +252,7 @@ fn a_steady_flow_is_searched_anew_at_the_time_reached() {
     let other = "flow.gas.viscosity.constant=0.03";
     go(&["time={order=1,start=5,end=5,step=0.1}"], "first").expect(0, &[]);
     go(&["time={order=1,start=5,end=5,step=0.1}", other], "expected").expect(0, &[]);
-    let continued = ["time={order=1,end=5,step=0.1}", other, "restart.allow=[\"viscosity\"]"];
+    let continued = ["time={order=1,end=5.1,step=0.1}", other, "restart.allow=[\"viscosity\"]"];
     go(&[&continued[..], &[&from(at, "first")]].concat(), "continued").expect(0, &[]);
     let (found, expected) = (lift("continued"), lift("expected"));
     assert!((found / expected - 1.0).abs() < 1e-5 && expected.abs() > 0.1, "{found} and {expected}");
