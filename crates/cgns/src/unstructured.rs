@@ -33,7 +33,11 @@ pub(crate) fn read(
     let (of_vertices, of_elements): (Vec<_>, Vec<_>) =
         conditions.iter().partition(|condition| condition.location == Location::Vertex);
     for condition in of_elements {
-        numbered.name(lists, condition)?;
+        let named = numbered.name(lists, condition);
+        // Zones are joined by positions.
+        if condition.role == Role::Boundary {
+            named?;
+        }
     }
     let outer = if of_vertices.is_empty() { Vec::new() } else { lists.outer_faces(first_cell) };
     let (interfaces, others): (Vec<_>, Vec<_>) =

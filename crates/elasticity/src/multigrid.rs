@@ -121,7 +121,12 @@ impl<const R: usize, const B: usize> Hierarchy<R, B> {
             let (level, next, next_modes) = Level::new(matrix, &modes, theta);
             (matrix, modes) = (next, next_modes);
             others.push(level);
-            theta = if matrix.rows() == rows { 0.0 } else { 0.5 * theta };
+            let stays = matrix.rows() == rows;
+            if stays && theta == 0.0 {
+                // Parts without connections do not merge.
+                break;
+            }
+            theta = if stays { 0.0 } else { 0.5 * theta };
         }
         let coarsest = factor(&matrix)?;
         let work = Pool::new();

@@ -26,7 +26,7 @@ pub enum Solver {
 
 /// The solver of a mesh, known before anything is computed.
 ///
-/// The automatic choice is **direct up to 10^11 multiplications and 2^30 bytes, multigrid beyond**. The factorisation is done once in
+/// The automatic choice is **direct up to 10^11 multiplications and 2^31 bytes, multigrid beyond**. The factorisation is done once in
 /// a run; after that a solve costs two passes through the factor. In two dimensions the limit allows millions of unknowns, in three
 /// about 10^5. On several blocks of a mesh in two dimensions the direct solver factors them one by one, so that ranks share the work. In three
 /// dimensions only BDDC is shared.

@@ -20,7 +20,7 @@ pub struct Permutation {
 pub struct FacetBatch {
     /// Its number.
     pub number: usize,
-    /// FacetBatches in use.
+    /// Lanes in use.
     pub count: usize,
     /// Minus sides.
     pub minus: [Side; WIDTH],

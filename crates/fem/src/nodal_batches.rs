@@ -21,7 +21,6 @@ pub struct NodalBatches<const D: usize> {
     starts: Vec<usize>,
     /// The places of each C0 node in the cells, component 0: indices into cell fields, counted in f64, in the order of
     /// the cells.
-    /// The cell in a lane of a batch; after the last cell, the last cell again.
     places: Vec<usize>,
 }
 

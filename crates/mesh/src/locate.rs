@@ -30,13 +30,20 @@ impl<const D: usize> Mesh<D> {
 /// the cell does not contain it.
 pub fn locate_in_cell<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D]) -> Option<[f64; D]> {
     let (lower, upper) = bounding_box::<D>(nodes);
-    // The box is enlarged by half its extent, because curved sides may bulge.
-    let is_near = (0..D).all(|i| {
-        let margin = 0.5 * (upper[i] - lower[i]);
-        (lower[i] - margin..=upper[i] + margin).contains(&x[i])
-    });
-    let extent = norm(&from_fn::<f64, D, _>(|i| upper[i] - lower[i]));
-    if is_near { invert(order, nodes, x, TOLERANCE * extent) } else { None }
+    // The box is enlarged by a part of its extent, because curved sides may bulge.
+    let is_near = |part: f64| {
+        (0..D).all(|i| {
+            let margin = part * (upper[i] - lower[i]);
+            (lower[i] - margin..=upper[i] + margin).contains(&x[i])
+        })
+    };
+    if !is_near(0.5) {
+        return None;
+    }
+    let tolerance = TOLERANCE * norm(&from_fn::<f64, D, _>(|i| upper[i] - lower[i]));
+    // In a bent cell the way from the centre may lead out of it. The nearest place is at x if the cell contains x.
+    let nearest = || Some(nearest_in_cell(order, nodes, x)).filter(|(_, distance)| *distance <= tolerance);
+    invert(order, nodes, x, tolerance).or_else(|| is_near(0.1).then(nearest).flatten().map(|(xi, _)| xi))
 }
 
 /// The nearest place to `x` in a cell, as its reference point and its distance; arguments as in [`locate_in_cell`].
@@ -166,6 +173,29 @@ mod tests {
     fn points_inside_are_found() {
         finds_what_it_maps::<2>();
         finds_what_it_maps::<3>();
+    }
+
+    /// A valid cell of random nodes: Newton's method from the centre went around for ever for some points near a corner.
+    #[test]
+    fn points_near_the_corners_of_a_bent_cell_are_found() {
+        let nodes = [
+            [-1.1044253810824518, -1.2480561725017865],
+            [0.14246870420977664, -0.7184492510276848],
+            [0.8466310114959641, -0.9692819575373673],
+            [-0.8049157222817673, -0.1557188653458406],
+            [0.19079298859668448, 0.13348095588126707],
+            [1.185668672687149, 0.07391537132184028],
+            [-0.9759244712069857, 1.217481741796434],
+            [-0.023720254351616565, 0.8147725351721598],
+            [1.1399435100296704, 0.9366847918710018],
+        ]
+        .concat();
+        let mut random = SplitMix64::new(3);
+        for xi in std::iter::once([-0.9915, -0.9782]).chain((0..2000).map(|_| from_fn(|_| random.symmetric()))) {
+            let x = CellMap::<2>::at(3, &xi).positions(&nodes)[0];
+            let found = locate_in_cell(3, &nodes, &x);
+            assert!(found.is_some_and(|found| (0..2).all(|a| (found[a] - xi[a]).abs() < 1e-6)), "{xi:?}: {found:?}");
+        }
     }
 
     /// The tolerance is below the spacing of numbers there; positions relative to the cell reach it.

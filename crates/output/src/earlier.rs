@@ -93,14 +93,25 @@ fn starts_as_history(text: &[u8]) -> bool {
 }
 
 impl RunDirectory {
-    /// A file in the directory with the name of a run's file that another program has written; a run would destroy it.
-    pub fn foreign_file(path: &Path) -> Option<PathBuf> {
+    /// A file in the directory with the name of a run's file, or of one of the `others` made from it, that another program has written; a run would
+    /// destroy it. Where there is a history of a run, files of lines, slices and surfaces are those of that run.
+    pub fn foreign_file(path: &Path, others: &[&str]) -> Option<PathBuf> {
         let (history, summary) = (path.join(HISTORY_FILE), path.join(SUMMARY_FILE));
         let is_summary = |text: Vec<u8>| serde_json::from_slice(&text).is_ok_and(|summary| is_of_run(&summary));
         if fs::read(&history).is_ok_and(|text| !starts_as_history(&text)) {
             return Some(history);
         }
-        fs::read(&summary).is_ok_and(|text| !is_summary(text)).then_some(summary)
+        if fs::read(&summary).is_ok_and(|text| !is_summary(text)) {
+            return Some(summary);
+        }
+        if is_there(&history) || is_there(&path.join(RESULT_FILE)) {
+            return None;
+        }
+        let is_other = |path: &Path| path.file_name().is_some_and(|name| others.iter().any(|other| name == *other));
+        let mut taken: Vec<PathBuf> =
+            fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
+        taken.retain(|path| is_of_series(path) || is_other(path));
+        taken.into_iter().min()
     }
 
     /// Removes files that would be mistaken for the work of the new run. Of a resumed run that is the old summary. Of others it is the result and
@@ -128,11 +139,24 @@ impl RunDirectory {
             remove(&path)?;
             let slabs = path.with_extension("");
             if path.extension().is_some_and(|extension| extension == "pvd") && slabs.is_dir() {
-                fs::remove_dir_all(&slabs).map_err(|source| file_error(&slabs, source))?;
+                clear_slabs(&slabs)?;
             }
         }
         Ok(())
     }
+}
+
+/// Removes the files of slabs in the folder of a slice, and the folder if nothing else is in it.
+fn clear_slabs(folder: &Path) -> Result<(), OutputError> {
+    let failed = |source| file_error(folder, source);
+    for entry in fs::read_dir(folder).map_err(failed)? {
+        let entry = entry.map_err(failed)?;
+        if entry.file_name().to_string_lossy().starts_with("slab_") {
+            remove(&entry.path())?;
+        }
+    }
+    let is_empty = fs::read_dir(folder).map_err(failed)?.next().is_none();
+    if is_empty { fs::remove_dir(folder).map_err(failed) } else { Ok(()) }
 }
 
 /// Whether a run writes a line, a slice or a surface to a file of this name.
@@ -172,7 +196,13 @@ mod tests {
         series.iter().for_each(|name| write(name, ""));
         fs::create_dir(directory.path().join("slice_c")).unwrap();
         write("slice_c/slab_000000.vtp", "");
+        write("slice_c/notes.txt", "not ours");
         held.clear(false, &["report.html"]).unwrap();
+        assert!(
+            directory.path().join("slice_c/notes.txt").exists()
+                && !directory.path().join("slice_c/slab_000000.vtp").exists()
+        );
+        fs::remove_dir_all(directory.path().join("slice_c")).unwrap();
         assert_eq!(find(), None);
         // Lines, slices and surfaces of the replaced run lay beside the summary of the new one.
         let left = |name: &&str| directory.path().join(name).exists();
@@ -185,8 +215,16 @@ mod tests {
     fn files_of_another_program_are_recognised() {
         let directory = tempfile::tempdir().unwrap();
         let [history, summary] = [HISTORY_FILE, SUMMARY_FILE].map(|name| directory.path().join(name));
-        let foreign = || RunDirectory::foreign_file(directory.path());
+        let foreign = || RunDirectory::foreign_file(directory.path(), &["report.html"]);
         assert_eq!(foreign(), None);
+        // Tables of the user with such names were deleted without a word.
+        for name in ["line_inflow.csv", "slice_photos.pvd", "report.html"] {
+            let file = directory.path().join(name);
+            fs::write(&file, "x,y\n").unwrap();
+            assert_eq!(foreign(), Some(file.clone()));
+            fs::remove_file(file).unwrap();
+        }
+        fs::write(directory.path().join("line_a.csv"), "t,s\n").unwrap();
         fs::write(&history, "t,dt,elasticity_iterations\n").unwrap();
         fs::write(&summary, r#"{"completed": false}"#).unwrap();
         assert_eq!(foreign(), None);

@@ -41,7 +41,7 @@ pub struct Summary {
     pub unknowns: Unknowns,
     /// Slabs done.
     pub slabs: u64,
-    /// Slabs that were repeated with a smaller step.
+    /// Attempts at slabs that failed and were repeated: with a shorter slab, an easier start or in a split form.
     pub rejected_slabs: u64,
     /// The thickness of the boundary layer that the initial state was given at walls, if it was.
     #[serde(skip_serializing_if = "Option::is_none")]

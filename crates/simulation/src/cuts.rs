@@ -16,6 +16,8 @@ pub struct Reached {
     pub slabs: usize,
     /// Whether it is the end of the resumed run, too.
     pub is_end: bool,
+    /// Whether it is the start of the run: its files begin there, however many slabs an earlier run had done.
+    pub is_start: bool,
 }
 
 impl Reached {
@@ -27,7 +29,7 @@ impl Reached {
 
     /// Whether an entry at its time is one of those after `every` slabs, or that of the end.
     pub fn keeps_last(self, every: usize) -> bool {
-        self.is_end || self.slabs.is_multiple_of(every)
+        self.is_end || self.is_start || self.slabs.is_multiple_of(every)
     }
 }
 
@@ -72,10 +74,12 @@ mod tests {
     /// A line of a run that was extended once kept its rows at the former end, which one long run does not have.
     #[test]
     fn the_rows_of_a_former_end_are_kept_only_where_one_run_has_them() {
-        let reached = |slabs, is_end| Reached { time: 0.5, slabs, is_end };
+        let reached = |slabs, is_end| Reached { time: 0.5, slabs, is_end, is_start: false };
         assert_eq!(reached(6, false).last_kept(3), 0.5);
         assert!(reached(5, false).last_kept(3) < 0.5);
         assert_eq!(reached(5, true).last_kept(3), 0.5, "nothing is left to do");
         assert_eq!(reached(0, false).last_kept(3), 0.5, "the start");
+        let start = Reached { is_start: true, ..reached(7, false) };
+        assert_eq!(start.last_kept(3), 0.5, "the start of a run that continues another one");
     }
 }

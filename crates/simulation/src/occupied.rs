@@ -4,6 +4,7 @@
 use crate::destination::{Destination, Existing};
 use crate::error::Failure;
 use crate::observer::{NextStep, Observer};
+use crate::record::made_from_results;
 use case::AnyCase;
 use case::rounded_time;
 use output::{EarlierRun, RESULT_FILE, ResultReader, RunDirectory};
@@ -104,7 +105,7 @@ pub fn check(destination: &Destination, observer: &dyn Observer, beginning: Begi
         let (found, remedies) = (described(&earlier), remedies(&earlier, can_resume, observer, directory));
         return Err(Failure::bad_input(OccupiedError::Earlier { directory: directory.clone(), found, remedies }));
     }
-    match RunDirectory::foreign_file(directory) {
+    match RunDirectory::foreign_file(directory, &made_from_results()) {
         Some(file) => Err(Failure::bad_input(OccupiedError::Foreign { file, elsewhere })),
         None => Ok(()),
     }

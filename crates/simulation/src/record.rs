@@ -23,7 +23,8 @@ use case::Case;
 use coupled::block::BodyState;
 use layout::{fingerprint, flow_order, layout, metadata};
 use output::{
-    ArrayInParts, ArraySpec, Checkpoint, History, Kept, Metadata, OutputError, Parts, ResultFile, SolverState,
+    ArrayInParts, ArraySpec, Checkpoint, History, Kept, Metadata, OutputError, Parts, ResultFile, ResultReader,
+    SolverState,
 };
 use report::REPORT_FILE;
 use std::borrow::Cow;
@@ -133,10 +134,15 @@ pub const COLUMNS: &str = "history_columns";
 /// Name of the log in the output directory.
 pub const LOG_FILE: &str = "log.jsonl";
 
-/// Files of an earlier run beside its result: those of averages, the report and the log. Where records are logged, the first one replaces the log.
+/// Files that are made from the result of a run, beside lines, slices and surfaces: those of averages, and the report.
+pub fn made_from_results() -> Vec<&'static str> {
+    FILES_OF_AVERAGES.into_iter().chain([REPORT_FILE]).collect()
+}
+
+/// Files of an earlier run beside its result: also the log. Where records are logged, the first one replaces the log.
 fn others_to_clear() -> Vec<&'static str> {
     let log = (!tracing::enabled!(tracing::Level::INFO)).then_some(LOG_FILE);
-    FILES_OF_AVERAGES.into_iter().chain([REPORT_FILE]).chain(log).collect()
+    made_from_results().into_iter().chain(log).collect()
 }
 
 impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
@@ -185,6 +191,14 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         self.history = history_after(Some(&stored.state), session, &self.told.columns)?;
         self.slabs_since_checkpoint = 0;
         Ok(stored)
+    }
+
+    /// Whether the only step of the result is at `time`: the run begins there.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn begins_at(&self, time: f64) -> Result<bool, Failure> {
+        Ok(ResultReader::open(self.result.path())?.times == [time])
     }
 
     /// Drops the fields and the distributions of a former end, where a run without interruption has none.

@@ -46,7 +46,7 @@ pub struct Start {
     pub surfaces: Vec<Series>,
     /// The walls with distributions of which the earlier run kept none.
     pub added_walls: Vec<String>,
-    /// Whether the distributions along walls begin anew: on another mesh, or with other orders.
+    /// Whether the distributions along walls begin anew, at other points: on another mesh, or with other orders in space or another quadrature.
     pub begins_surfaces: bool,
     /// Whether the earlier run has only searched a steady flow, and this one searches another.
     pub searches_anew: bool,
@@ -130,10 +130,10 @@ impl Origin {
         state.boundary_jumps = self.jumps(case, mover, &state);
         warnings.extend(self.misunderstood_start(case, state.time)?);
         warnings.extend(self.unfinished_search(case, &state, &sums)?);
-        let has_other_orders = from != to;
+        let has_other_points = from.flow != to.flow || from.mesh != to.mesh || self.has_other_quadrature(case)?;
         let (added_walls, late) = if is_other_mesh {
             (surfaces::listed(case), late_averages(case, state.time))
-        } else if has_other_orders {
+        } else if has_other_points {
             (surfaces::listed(case), surfaces::begun_anew(case, state.time))
         } else {
             let added = surfaces::added(case, &metadata.case_text);
@@ -161,7 +161,7 @@ impl Origin {
             || self.is_other(case, &["bodies", "structure"])?;
         let keeps_averages = !is_other_mesh && !searches_anew;
         let checkpoint = self.with_numbers_of_cells(continued, keeps_cells, keeps_averages);
-        let (surfaces, begins_surfaces) = (Vec::new(), is_other_mesh || has_other_orders);
+        let (surfaces, begins_surfaces) = (Vec::new(), is_other_mesh || has_other_points);
         Ok(Start { checkpoint, warnings, surfaces, added_walls, begins_surfaces, searches_anew, is_measured_anew })
     }
 

@@ -193,7 +193,7 @@ fn apply_law<S: Simd, M: Mode, L: PointLaw, const D: usize>(
     let points = field / D;
     let layout = GradientLayout { points, block: L::FIELDS * field, direction: M::BLOCKS * L::FIELDS * field };
     let direction = layout.direction;
-    let mut smallest = Pack([f64::INFINITY; WIDTH]);
+    let mut smallest = Pack([f64::MAX; WIDTH]);
     for point in 0..points {
         for part in 0..Lanes::<S>::PARTS {
             let (weight, g) = read_metric::<S, D>(simd, metric, point, part);
@@ -206,7 +206,9 @@ fn apply_law<S: Simd, M: Mode, L: PointLaw, const D: usize>(
             let stress = law.stress(&physical, &rate);
             if L::HAS_BARRIER {
                 let least = Lanes::read(simd, &smallest, part);
-                least.min(stress.volume_ratio.primal()).write(&mut smallest, part);
+                let ratio = stress.volume_ratio.primal();
+                // A minimum forgets a NaN; the products keep it.
+                (least.min(ratio) + (least + ratio) * 0.0).write(&mut smallest, part);
             }
             for i in 0..D {
                 let mut weighted = g[0];

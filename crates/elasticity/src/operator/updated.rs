@@ -36,7 +36,7 @@ impl<const D: usize> WithSimd for MoveBatch<'_, D> {
         let points = operator.lines.points::<D>();
         let mut scratch = Scratch::new::<D>(&operator.lines, 1);
         let gradients = operator.gradients_of(simd, batch, displacement, &mut scratch);
-        let mut smallest = Pack([f64::INFINITY; WIDTH]);
+        let mut smallest = Pack([f64::MAX; WIDTH]);
         let layout = GradientLayout::of_one(D, points);
         for point in 0..points {
             for part in 0..Lanes::<S>::PARTS {
@@ -45,7 +45,9 @@ impl<const D: usize> WithSimd for MoveBatch<'_, D> {
                 let f = plus_identity(&gradient);
                 let cofactor = cofactor(&f);
                 let j = determinant(&f, &cofactor);
-                Lanes::read(simd, &smallest, part).min(j).write(&mut smallest, part);
+                let least = Lanes::read(simd, &smallest, part);
+                // A minimum forgets a NaN; the products keep it.
+                (least.min(j) + (least + j) * 0.0).write(&mut smallest, part);
                 let entry = &mut metric[point * (1 + D * D)..][..1 + D * D];
                 (weight * j.powf(power)).write(&mut entry[0], part);
                 for a in 0..D {

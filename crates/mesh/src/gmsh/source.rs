@@ -93,7 +93,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Skips everything up to and including the line that begins with `end`.
+    /// Skips everything up to and including the line in which `end` stands.
     pub(super) fn skip_past(&mut self, end: &str) -> Result<(), GmshError> {
         let rest = &self.bytes[self.position..];
         match rest.windows(end.len()).position(|window| window == end.as_bytes()) {

@@ -105,7 +105,8 @@ impl Window {
         let centre = extent.centre();
         let least = extent.length().max(f64::MIN_POSITIVE) / MOST_ELONGATED;
         let size = extent.size().map(|edge| edge.max(least));
-        let pixel = (size[0] * size[1] / pixels).sqrt();
+        // Not the root of the product, which may be below all numbers.
+        let pixel = size[0].sqrt() * size[1].sqrt() / pixels.sqrt();
         let [width, height] = size.map(|edge| (edge / pixel).ceil().max(1.0));
         let half = [0.5 * width * pixel, 0.5 * height * pixel];
         let extent = Extent {

@@ -3,7 +3,7 @@
 use super::orders::{self, Order};
 use super::parts::{self, Own};
 use super::together::{Together, path_of};
-use super::{add_up, advance, begin_averages, march, peak_memories, stored};
+use super::{add_up, advance, agree, begin_averages, march, peak_memories, stored};
 use crate::averages::{AverageSums, add_slab};
 use crate::record::{StepParts, write_state};
 use crate::steady_search::find;
@@ -31,7 +31,11 @@ where
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
-    let Some(flow) = &case.flow else { return };
+    let Some(flow) = &case.flow else {
+        // Rank 0 refuses such a case, and says that it has finished.
+        while !matches!(orders::receive(&**communicator), (Order::Finish, _)) {}
+        return;
+    };
     let mut flow = Cow::Borrowed(flow);
     let mut own: Option<FlowMarch<D, M>> = None;
     let mut averages = AverageSums::default();
@@ -47,7 +51,10 @@ where
                 controls::set_for_preconditioner(case, Some(&common));
                 let share = &march.solver.system.flow.operator.share;
                 let own = parts::with_own_arrays(common, share, |_, _| Vec::new());
-                stored::restore(case, &mut flow, &own, (march, &mut averages));
+                // Rank 0 may not have been able to read.
+                if let Ok(own) = agree(&**communicator, Ok(own)) {
+                    stored::restore(case, &mut flow, &own, (march, &mut averages));
+                }
             }
             (Order::SearchSteadyFlow, Some(march)) => {
                 case.solver.steady.iter().for_each(|steady| drop(find(case, &flow, steady, march, &())));

@@ -1,7 +1,7 @@
 //! The state of all ranks in a checkpoint, and back.
 
 use super::parts::{self, own_linearisation};
-use super::{Crew, OfCells, Order, Own};
+use super::{Crew, OfCells, Order, Own, agree};
 use crate::averages::AverageSums;
 use crate::error::Failure;
 use crate::record::Stored;
@@ -56,7 +56,8 @@ impl Crew {
                 vec![0.0; range.len()]
             })
         });
-        failed.map_or(Ok(own), |error| Err(error.into()))
+        let own = failed.map_or(Ok(own), |error| Err(Failure::from(error)));
+        agree(&**self.orders.communicator(), own)
     }
 
     /// The state with what the preconditioners of all ranks are made of. Averages, and where there are several blocks all numbers of cells, are

@@ -44,7 +44,10 @@ pub(super) fn cut_files<const D: usize, const M: usize>(
     run: &impl Run,
     has_begun: bool,
 ) -> Result<(), Failure> {
-    let reached = has_begun.then(|| reached(run));
+    let reached = match has_begun {
+        true => Some(Reached { is_start: recorder.begins_at(run.state().time)?, ..reached(run) }),
+        false => None,
+    };
     reached.map_or(Ok(()), |reached| recorder.drop_former_end(reached))?;
     Ok(cuts::begin(recorder.case(), session.directory.path(), reached)?)
 }
@@ -52,7 +55,7 @@ pub(super) fn cut_files<const D: usize, const M: usize>(
 /// Where `run` stands.
 fn reached(run: &impl Run) -> Reached {
     let coupled::State { time, slab: slabs, .. } = *run.state();
-    Reached { time, slabs, is_end: run.is_done() }
+    Reached { time, slabs, is_end: run.is_done(), is_start: false }
 }
 
 /// Warns if a resumed run is at a `time` after its end.

@@ -135,7 +135,10 @@ where
 
     /// Measures inflows and outflows, and reports each observation once.
     pub(super) fn observe(&self, context: &mut RunContext) {
-        if !self.flow.boundary.iter().any(|data| openings::is_opening(&data.condition)) {
+        let is_opening = |boundary: usize| openings::is_opening(&self.flow.boundary[boundary].condition);
+        // Of an earlier run with other conditions.
+        context.statistics.openings.retain(|record| is_opening(record.now.boundary));
+        if !(0..self.flow.boundary.len()).any(is_opening) {
             return;
         }
         let (state, mover, there) = (self.state(), &self.march.solver.system.mesh.mover, self.state_at_openings());

@@ -14,12 +14,13 @@ pub fn listed<const D: usize>(case: &Case<D>) -> Vec<String> {
     case.output.surfaces.iter().filter(|_| case.output.surfaces_every.is_some()).cloned().collect()
 }
 
-/// A warning that the distributions of a run with other orders are not continued: their points are others.
+/// A warning that the distributions of a run with other orders in space or another quadrature are not continued: their points are others.
 pub fn begun_anew<const D: usize>(case: &Case<D>, begin: f64) -> Option<String> {
     let walls = listed(case).iter().map(|wall| format!("`{wall}`")).collect::<Vec<_>>().join(", ");
     let time = rounded_time(begin);
-    (!walls.is_empty())
-        .then(|| format!("the distributions along {walls} begin anew at t = {time}: the flow has other orders"))
+    (!walls.is_empty()).then(|| {
+        format!("the distributions along {walls} begin anew at t = {time}: the flow has another order or quadrature")
+    })
 }
 
 /// A warning if the means along the walls `added`, of which there is no distribution before the time `begin`, cover less than the other averages.

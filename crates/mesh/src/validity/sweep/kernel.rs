@@ -184,7 +184,7 @@ impl<const D: usize> Sweep<D> {
             }
             let (least, low) = (smallest - margin, reference - reference_margin);
             let ratio = least / least.select_ge(zero, reference + reference_margin, low);
-            // This order of operands keeps a NaN.
+            // A NaN of a cell is in its margin, and so in all ratios: the last one keeps it.
             lowest = lowest.min(zero.select_ge(low, nothing, ratio));
         }
         lowest
