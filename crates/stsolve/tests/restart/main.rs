@@ -248,7 +248,7 @@ fn a_steady_flow_is_searched_anew_at_the_time_reached() {
     let go = |changes: &[&str], output: &str| {
         on_case(at, "run", "cylinder_steady", &[&small[..], changes].concat(), output, &[])
     };
-    let lift = |output: &str| number(&summary(&at.join(output)), "steady.walls.wall.force.1");
+    let lift = |output: &str| number(&summary(&at.join(output)), "steady.walls.wall.lift_coefficient");
     let other = "flow.gas.viscosity.constant=0.03";
     go(&["time={order=1,start=5,end=5,step=0.1}"], "first").expect(0, &[]);
     go(&["time={order=1,start=5,end=5,step=0.1}", other], "expected").expect(0, &[]);
