@@ -184,3 +184,20 @@ fn a_zero_at_a_row_is_found_once() {
     found([1e-200, 0.0, -1e-200], "separation");
     assert!(zero(&row(0, f64::NAN), &row(1, 1.0), [0.0; 2], 1.0).is_none());
 }
+
+/// The lengths weighted the times.
+#[test]
+fn a_wall_that_becomes_longer_has_its_mean_over_time() {
+    let (directory, mut series) = (tempfile::tempdir().unwrap(), circle(2));
+    let (len, width) = (series.array.len(), series.array.axes[2].length);
+    for (values, time) in series.values.chunks_exact_mut(len).zip(&series.times) {
+        // Area and pressure.
+        values.chunks_exact_mut(width).for_each(|row| (row[6], row[7]) = (1.0 + time, *time));
+    }
+    let wall = MeansOf { series: &series, section: &section(2), slips: false };
+    assert!(write_means(directory.path(), 2, &wall, [1.0, 4.0]).unwrap());
+    for line in &lines(directory.path(), "surface_wall_mean.csv")[1..] {
+        let pressure: f64 = line.split(',').nth(3).unwrap().parse().unwrap();
+        assert!((pressure - 2.5).abs() < 1e-12, "{line}");
+    }
+}
