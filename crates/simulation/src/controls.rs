@@ -7,7 +7,6 @@ use super::history;
 use super::statistics::RunStatistics;
 use crate::error::Failure;
 use case::{Case, Control, NotPositive};
-use coupled::Counts;
 use output::{Arrays, SolverState};
 
 /// The names of the arrays of a checkpoint.
@@ -86,9 +85,9 @@ impl Columns {
     }
 }
 
-/// Notes the values with which the preconditioner was made, if attempts at the next slab have made one and `cost` that.
-pub fn note_preconditioner<const D: usize>(case: &Case<D>, cost: &Counts, statistics: &mut RunStatistics) {
-    if !case.controls.is_empty() && cost.rebuilds > 0 {
+/// Notes the present values as those with which the preconditioner was made, if it was made anew.
+pub fn note_preconditioner<const D: usize>(case: &Case<D>, made_anew: bool, statistics: &mut RunStatistics) {
+    if !case.controls.is_empty() && made_anew {
         statistics.controls_of_preconditioner = values(case);
     }
 }
@@ -107,9 +106,7 @@ pub fn update<const D: usize>(
         return Ok(());
     }
     let at = |column: Option<usize>| column.map_or(f64::NAN, |number| row[number]);
-    if at(columns.builds) > 0.0 {
-        statistics.controls_of_preconditioner = values(case);
-    }
+    note_preconditioner(case, at(columns.builds) > 0.0, statistics);
     let (t, dt) = (at(columns.time), at(columns.length));
     let measured: Vec<f64> = columns.measured.iter().map(|column| at(*column)).collect();
     let controls = case.controls.iter().zip(&measured);

@@ -4,7 +4,7 @@ use super::boundary_data::{BoundaryData, Data};
 use super::controls::Control;
 use super::flow::Flow;
 use super::mesh_crate::Mesh;
-use super::openings::{NodeAndNormal, nodes_of_facets};
+use super::openings::{NodeAndNormal, nodes_of_boundary};
 use super::time::Time;
 use crate::checker::{Checked, Checker};
 use crate::expression::Program;
@@ -175,8 +175,7 @@ impl<const D: usize> Flow<D> {
             if formulas.is_empty() {
                 return None;
             }
-            let facets = mesh.boundary_facets().iter().filter(|facet| facet.boundary == boundary);
-            let nodes = nodes_of_facets(mesh, facets, &displacement);
+            let nodes = nodes_of_boundary(mesh, boundary, &displacement);
             let places = times.iter().flat_map(|t| nodes.iter().map(move |(x, _)| (x, *t)));
             let mut values = places
                 .flat_map(|(x, t)| formulas.iter().map(move |(key, formula)| (*key, x, t, formula.evaluate(x, t))));

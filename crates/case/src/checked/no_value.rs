@@ -3,7 +3,7 @@
 use super::boundary_data::Data;
 use super::flow::Flow;
 use super::mesh_crate::Mesh;
-use super::openings::nodes_of_facets;
+use super::openings::nodes_of_boundary;
 use crate::point_data::PointData;
 use crate::state::State;
 
@@ -48,8 +48,7 @@ impl<const D: usize> Flow<D> {
         let names = mesh.boundary_names().iter().enumerate();
         names.zip(&self.boundary).find_map(|((boundary, name), data)| {
             let data = data.data.as_ref()?;
-            let facets = mesh.boundary_facets().iter().filter(|facet| facet.boundary == boundary);
-            let nodes = nodes_of_facets(mesh, facets, &displacement).into_iter().map(|(x, _)| x);
+            let nodes = nodes_of_boundary(mesh, boundary, &displacement).into_iter().map(|(x, _)| x);
             let has_value = |x: &[f64; D], t: f64| match data {
                 Data::Values(formulas) => has_value(formulas, x, t),
                 Data::State(State::Expression(state)) => {

@@ -177,8 +177,17 @@ pub(super) type NodeAndNormal<const D: usize> = ([f64; D], [f64; D]);
 
 /// Every node on a boundary of the mesh at rest.
 pub(super) fn nodes_with_normals<const D: usize>(mesh: &Mesh<D>, boundary: usize) -> Vec<NodeAndNormal<D>> {
+    nodes_of_boundary(mesh, boundary, |_, _, _| [0.0; D])
+}
+
+/// Every node on a boundary of the mesh, displaced as those of [`nodes_of_facets`].
+pub(super) fn nodes_of_boundary<const D: usize>(
+    mesh: &Mesh<D>,
+    boundary: usize,
+    displacement: impl Fn(usize, usize, &[f64; D]) -> [f64; D],
+) -> Vec<NodeAndNormal<D>> {
     let facets = mesh.boundary_facets().iter().filter(|facet| facet.boundary == boundary);
-    nodes_of_facets(mesh, facets, |_, _, _| [0.0; D])
+    nodes_of_facets(mesh, facets, displacement)
 }
 
 /// The nodes of `facets`, after the displacement of (cell, node of the cell, position at rest). The normals depend on these nodes alone.

@@ -36,7 +36,7 @@ pub(super) fn run_slabs<const D: usize, const M: usize>(
                 }
             }
             Ok(None) => {
-                controls::note_preconditioner(case, &run.counts(), &mut context.statistics);
+                controls::note_preconditioner(case, run.counts().rebuilds > 0, &mut context.statistics);
                 if is_held(run) && !was_held {
                     recorder.checkpoint(run.store(), &context.statistics)?;
                 }
