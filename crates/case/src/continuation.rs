@@ -3,6 +3,7 @@
 use super::checked::length_of_slabs;
 use super::continued_tables::{self, LongerTable};
 use super::raw::{Adaptive, Case, Output, Solver, Steady, Time, from_toml, to_table, to_toml};
+use std::collections::BTreeMap;
 use std::fmt;
 
 /// The part of a case that a run must share with the run that it continues, because the states depend on it. Tolerances and limits
@@ -91,6 +92,26 @@ pub fn differences_after(before: &str, now: &str, reached: f64) -> Result<Differ
     })
 }
 
+/// The values of a resolved case by their keys, as text.
+///
+/// # Errors
+/// As [`differences`].
+pub fn values(resolved: &str) -> Result<BTreeMap<String, String>, String> {
+    let mut values = BTreeMap::new();
+    put_values("", &to_table(&from_toml(resolved)?), &mut values);
+    Ok(values)
+}
+
+fn put_values(path: &str, table: &toml::Table, values: &mut BTreeMap<String, String>) {
+    for (name, value) in table {
+        let key = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
+        match value {
+            toml::Value::Table(table) => put_values(&key, table, values),
+            value => _ = values.insert(key, whole_text(value)),
+        }
+    }
+}
+
 /// The part of a resolved case that a run must share with the run that it continues, as text.
 ///
 /// # Errors
@@ -122,11 +143,20 @@ fn collect(path: &str, before: &toml::Table, now: &toml::Table, differences: &mu
     }
 }
 
-/// A value on a line, cut if it is long. Rust writes small numbers shorter than TOML does.
+/// A value on a line. Rust writes small numbers shorter than TOML does.
+fn whole_text(value: &toml::Value) -> String {
+    value.as_float().map_or_else(|| value.to_string(), |number| format!("{number:?}"))
+}
+
+/// The same, cut if it is long.
 fn text(value: &toml::Value) -> String {
-    let text = value.as_float().map_or_else(|| value.to_string(), |number| format!("{number:?}"));
+    cut(&whole_text(value))
+}
+
+/// The beginning of a long text.
+pub fn cut(text: &str) -> String {
     match text.char_indices().nth(60) {
         Some((end, _)) => format!("{} ...", &text[..end]),
-        None => text,
+        None => text.to_owned(),
     }
 }

@@ -84,7 +84,7 @@ pub(crate) use case_keys as raw;
 pub use case_keys::{editor_schema, schema};
 pub use cause::Cause;
 pub use checked::*;
-pub use continuation::{Difference, Differences, differences, differences_after, lasting_of};
+pub use continuation::{Difference, Differences, cut, differences, differences_after, lasting_of, values};
 pub use coupled::rounded_time;
 pub use document::Document;
 pub use error::{CaseError, Place};

@@ -33,7 +33,7 @@ pub struct Solver {
     pub predictor: Predictor,
     /// Pseudo-time damping of the first Newton steps of a slab.
     pub pseudo_time: PseudoTime,
-    /// The largest number of times that a slab is halved before the run gives up.
+    /// The largest number of times that a slab is halved before the run gives up. With `time.adaptive` the limit is `time.adaptive.smallest`.
     pub slab_halvings: usize,
     /// What the run does when halvings of a slab do not help.
     pub fallback: Fallback,
@@ -84,7 +84,7 @@ pub enum Preconditioner {
     /// Block ILU(0) with one block per cell: for any slabs, flows and meshes.
     Blocks,
     /// Each cell alone, one direction after the other. It costs little time and memory at any order, and suits slabs so short that sound
-    /// crosses at most about one cell. Steady flows always use blocks.
+    /// crosses at most about the distance of two nodes. Steady flows always use blocks.
     Lines,
     /// The flow on the control volumes of its nodes, by point-block ILU(0). Its memory per unknown does not depend on the order: for flows in
     /// three dimensions.

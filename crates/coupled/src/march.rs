@@ -53,7 +53,7 @@ pub struct March<S> {
 
 impl<S: SlabSolver> March<S> {
     /// A run of `solver` from `state` through the slabs of `schedule`. A slab that cannot be solved is halved, at most `max_halvings`
-    /// times.
+    /// times, or down to the smallest step of an adaptive schedule.
     pub(crate) fn from(solver: S, state: State, schedule: Schedule, max_halvings: u32) -> Self {
         March { solver, state, schedule, max_halvings }
     }
@@ -105,7 +105,7 @@ impl<S: SlabSolver> March<S> {
     /// # Errors
     /// [`MarchError`] if neither is allowed, or the solver gives way.
     fn go_on(&mut self, interval: Interval, source: SlabError) -> Result<(), MarchError> {
-        let (cause, times) = (chain(&source), source.halvings());
+        let (cause, times, length) = (chain(&source), source.halvings(), interval.end - interval.start);
         let easier = source.is_of_flow().then(|| self.solver.ease_start(&mut self.state)).flatten();
         let remedy = match easier {
             Some(done) => done,
@@ -113,15 +113,13 @@ impl<S: SlabSolver> March<S> {
                 && self.schedule.shorten(&mut self.state, interval, (times, self.max_halvings)) =>
             {
                 self.state.failed.get_or_insert(interval);
-                "it is halved".into()
+                let next = self.schedule.pending(&mut self.state);
+                let times = halvings(length, next.end - next.start);
+                if times > 1 { format!("it is halved {times} times") } else { "it is halved".into() }
             }
             None => {
-                // Attempts with an easier start are rejected, too, at the same length.
-                let shortened = match self.schedule.control {
-                    None => interval.halvings as usize,
-                    Some(_) => self.state.rejected,
-                };
-                return Err(MarchError::new(&self.state, interval, shortened, source));
+                let first = self.state.failed.map_or(length, |failed| failed.end - failed.start);
+                return Err(MarchError::new(&self.state, interval, halvings(first, length), source));
             }
         };
         tracing::warn!(start = interval.start, end = interval.end, cause, "slab rejected: {remedy}");
@@ -136,5 +134,20 @@ impl<S: SlabSolver> March<S> {
         self.state.finish(interval);
         self.schedule.adapt(&mut self.state, interval, jump, time_order);
         report
+    }
+}
+
+/// How often a slab of length `before` was halved until it had length `after`, rounded: an adaptive slab may end at a limit.
+fn halvings(before: f64, after: f64) -> usize {
+    (before / after).log2().round().max(0.0) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::halvings;
+
+    #[test]
+    fn halvings_are_counted_by_lengths() {
+        assert_eq!([halvings(0.5, 0.5), halvings(0.5, 0.25), halvings(0.5, 0.0625), halvings(0.5, 0.2)], [0, 1, 3, 1]);
     }
 }

@@ -33,7 +33,7 @@ pub enum SlabError {
         /// The length of the rotation vector.
         angle: f64,
     },
-    /// Neither the extrapolated nor the constant guess is admissible.
+    /// The guess that stays as it is at the bottom of the slab is not admissible.
     #[error("no admissible guess")]
     Guess(#[from] Inadmissible),
     /// The solution has a negative density or pressure at the end of the slab. The equations constrain the interior of the slab only.
@@ -112,14 +112,14 @@ fn largest_in(residual_breakdown: Option<&ResidualBreakdown>) -> String {
     "slab {slab}, t = {} to {}, could not be solved{}",
     rounded_time(interval.start),
     rounded_time(interval.end),
-    if *shortened > 0 { format!(", shortened {shortened} times") } else { String::new() }
+    if *shortened > 0 { format!(", halved {shortened} times") } else { String::new() }
 )]
 pub struct MarchError {
     /// The number of the slab.
     pub slab: usize,
     /// The interval of the last attempt.
     pub interval: Interval,
-    /// How often the slab was shortened: halved, or adapted.
+    /// How often the slab was halved, rounded.
     pub shortened: usize,
     /// The error of the last attempt.
     #[source]

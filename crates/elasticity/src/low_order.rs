@@ -8,7 +8,7 @@
 use crate::ElasticityError;
 use crate::geometry::{Sample, determinant_and_inverse};
 use crate::material::Lame;
-use crate::multigrid::{self, Cycle};
+use crate::multigrid::{self, BlockRows, Colouring, Cycle};
 use crate::pool::Pool;
 use mesh::NodeNumbering;
 use sparse::{BlockMatrix, Factorisation, Kind};
@@ -48,21 +48,27 @@ impl<const D: usize> LowOrderInverse<D> {
         multigrid: Option<&[[f64; D]]>,
     ) -> Result<Self, ElasticityError> {
         let free: Vec<usize> = (0..numbering.count).filter(|&node| fixed[node] != [true; D]).collect();
-        let mut unknowns = vec![None; numbering.count];
-        free.iter().enumerate().for_each(|(unknown, &node)| unknowns[node] = Some(unknown));
-        let fixed: Vec<[bool; D]> = free.iter().map(|&node| fixed[node]).collect();
-        let terms = Terms { lame, mass: inertia.m * inertia.density, fixed: &fixed };
-        let mut matrix = matrix(terms, numbering, samples, &unknowns)?;
-        for (unknown, layer) in free.iter().filter_map(|&node| inertia.layer.get(node)).enumerate() {
-            let mut block = layer.map(|row| row.map(|mass| inertia.m * mass));
-            terms.decouple(unknown, unknown, &mut block);
-            matrix.add(unknown, unknown, |i, j| block[i][j]);
-        }
-        let inverse = match multigrid {
-            None => Inverse::Factor(Box::new(matrix.factor(Arc::new(matrix.elimination_tree()?))?)),
+        let neighbours = couplings::<D>(numbering, &unknowns_of(&free, numbering.count));
+        let mass = inertia.m * inertia.density;
+        let (free, inverse) = match multigrid {
+            None => {
+                let mut matrix = BlockMatrix::new(Kind::Cholesky, D, neighbours);
+                let terms = Terms { lame, mass, free: &free, fixed };
+                terms.assemble(inertia, numbering, samples, |row, column, block| {
+                    matrix.add(row, column, |i, j| block[i][j]);
+                })?;
+                (free, Inverse::Factor(Box::new(matrix.factor(Arc::new(matrix.elimination_tree()?))?)))
+            }
             Some(coordinates) => {
-                let of_free: Vec<_> = free.iter().map(|&node| coordinates[node]).collect();
-                Inverse::Multigrid(multigrid::hierarchy::<D>(&matrix, &of_free, &fixed)?)
+                let neighbours = both_halves(neighbours);
+                let colouring = Colouring::new(&neighbours, multigrid::nodes_per_chunk(D));
+                let free: Vec<usize> = colouring.order.iter().map(|&unknown| free[unknown]).collect();
+                let mut matrix = BlockRows::zero(neighbours, &colouring);
+                let terms = Terms { lame, mass, free: &free, fixed };
+                terms.assemble(inertia, numbering, samples, |row, column, block| matrix.add(row, column, block))?;
+                let at_free: Vec<_> = free.iter().map(|&node| coordinates[node]).collect();
+                let fixed: Vec<_> = free.iter().map(|&node| fixed[node]).collect();
+                (free, Inverse::Multigrid(multigrid::hierarchy::<D>(matrix, &at_free, &fixed)?))
             }
         };
         Ok(LowOrderInverse { free, inverse, buffers: Pool::new() })
@@ -118,33 +124,110 @@ impl<const D: usize> Inertia<'_, D> {
     }
 }
 
+/// The unknown of every C0 node, by its place in `free`.
+fn unknowns_of(free: &[usize], count: usize) -> Vec<Option<usize>> {
+    let mut unknowns = vec![None; count];
+    free.iter().enumerate().for_each(|(unknown, &node)| unknowns[node] = Some(unknown));
+    unknowns
+}
+
+/// For every unknown, the unknowns of larger number that share a sub-cell with it.
+fn couplings<const D: usize>(numbering: &NodeNumbering, unknowns: &[Option<usize>]) -> Vec<Vec<usize>> {
+    let sub_cells = SubCells::<D>::new(numbering.order());
+    let mut neighbours = vec![Vec::new(); unknowns.iter().flatten().count()];
+    for cell in 0..numbering.n_cells() {
+        sub_cells.couple(&of_cell(numbering, cell, unknowns), &mut neighbours);
+    }
+    neighbours
+}
+
+/// The unknowns at the nodes of a cell.
+fn of_cell(numbering: &NodeNumbering, cell: usize, unknowns: &[Option<usize>]) -> Vec<Option<usize>> {
+    numbering.cell(cell).iter().map(|&node| unknowns[node]).collect()
+}
+
+/// All coupled unknowns of every unknown and the unknown itself, of those with larger number.
+fn both_halves(larger: Vec<Vec<usize>>) -> Vec<Vec<u32>> {
+    let mut neighbours: Vec<Vec<u32>> = (0..larger.len()).map(|unknown| vec![unknown as u32]).collect();
+    for (unknown, others) in larger.into_iter().enumerate() {
+        for other in others {
+            neighbours[unknown].push(other as u32);
+            neighbours[other].push(unknown as u32);
+        }
+    }
+    neighbours
+}
+
 /// The input of a low-order matrix.
 #[derive(Clone, Copy)]
 struct Terms<'a, const D: usize> {
     lame: Lame,
     /// The factor of the mass matrix of unit density.
     mass: f64,
-    /// The decoupled components, by unknown.
+    /// The C0 node of every unknown.
+    free: &'a [usize],
+    /// The decoupled components, by C0 node.
     fixed: &'a [[bool; D]],
 }
 
-/// The low-order matrix K + m M of the nodes that have an unknown, `unknowns[C0 node]`, numbered from 0.
-fn matrix<const D: usize>(
-    terms: Terms<'_, D>,
-    numbering: &NodeNumbering,
-    samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
-    unknowns: &[Option<usize>],
-) -> Result<BlockMatrix<f64>, ElasticityError> {
-    let sub_cells = SubCells::<D>::new(numbering.order());
-    let of_cell = |cell| -> Vec<Option<usize>> { numbering.cell(cell).iter().map(|&node| unknowns[node]).collect() };
-    let mut neighbours = vec![Vec::new(); unknowns.iter().flatten().count()];
-    let cells = 0..numbering.n_cells();
-    cells.clone().for_each(|cell| sub_cells.couple(&of_cell(cell), &mut neighbours));
-    let mut matrix = BlockMatrix::new(Kind::Cholesky, D, neighbours);
-    for cell in cells {
-        sub_cells.add_cell(terms, cell, &samples(cell)?, &of_cell(cell), &mut matrix)?;
+impl<const D: usize> Terms<'_, D> {
+    /// Adds K + m M of all cells, block by block; rows and columns are unknowns.
+    fn assemble(
+        self,
+        inertia: Inertia<'_, D>,
+        numbering: &NodeNumbering,
+        samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
+        mut add: impl FnMut(usize, usize, &[[f64; D]; D]),
+    ) -> Result<(), ElasticityError> {
+        let (sub_cells, unknowns) = (SubCells::<D>::new(numbering.order()), unknowns_of(self.free, numbering.count));
+        for cell in 0..numbering.n_cells() {
+            let unknowns = of_cell(numbering, cell, &unknowns);
+            sub_cells.visit_corners(cell, &samples(cell)?, |corner| self.add_corner(corner, &unknowns, &mut add))?;
+        }
+        for (unknown, layer) in self.free.iter().filter_map(|&node| inertia.layer.get(node)).enumerate() {
+            let mut block = layer.map(|row| row.map(|mass| inertia.m * mass));
+            self.decouple(unknown, unknown, &mut block);
+            add(unknown, unknown, &block);
+        }
+        Ok(())
     }
-    Ok(matrix)
+
+    /// Adds W block(grad phi_row, grad phi_column) for all pairs of functions, and the mass of the corner.
+    fn add_corner(
+        self,
+        corner: &Corner<D>,
+        unknowns: &[Option<usize>],
+        add: &mut impl FnMut(usize, usize, &[[f64; D]; D]),
+    ) {
+        let own = corner.gradients.len() - 1;
+        let lame = Lame { lambda: self.lame.lambda + corner.excess / corner.stiffness, ..self.lame };
+        for (k, (row, grad_row)) in corner.gradients.iter().enumerate() {
+            for (l, (column, grad_column)) in corner.gradients.iter().enumerate() {
+                if let (Some(row), Some(column)) = (unknowns[*row], unknowns[*column]) {
+                    let weighted = grad_column.map(|g| g * corner.volume * corner.stiffness);
+                    let mut block = lame.block(grad_row, &weighted);
+                    if (k, l) == (own, own) {
+                        (0..D).for_each(|i| block[i][i] += self.mass * corner.volume);
+                    }
+                    self.decouple(row, column, &mut block);
+                    add(row, column, &block);
+                }
+            }
+        }
+    }
+
+    /// Sets the rows and columns of fixed components to zero, except the diagonal.
+    fn decouple(self, row: usize, column: usize, block: &mut [[f64; D]; D]) {
+        let (fixed_rows, fixed_columns) = (self.fixed[self.free[row]], self.fixed[self.free[column]]);
+        for i in 0..D {
+            for j in 0..D {
+                let diagonal = row == column && i == j;
+                if !diagonal && (fixed_rows[i] || fixed_columns[j]) {
+                    block[i][j] = 0.0;
+                }
+            }
+        }
+    }
 }
 
 /// The lattice of sub-cells in a cell: corner k of a sub-cell has bit a for the side along axis a.
@@ -188,18 +271,16 @@ impl<const D: usize> SubCells<D> {
         }
     }
 
-    /// Adds the sub-cells of one cell with the given samples and unknowns at its nodes.
-    fn add_cell(
+    /// Visits the corners of all sub-cells of a cell with the given samples.
+    fn visit_corners(
         &self,
-        terms: Terms<'_, D>,
         cell: usize,
         samples: &[Sample<D>],
-        unknowns: &[Option<usize>],
-        matrix: &mut BlockMatrix<f64>,
+        mut visit: impl FnMut(&Corner<D>),
     ) -> Result<(), ElasticityError> {
         for &first in &self.first {
             for corner in 0..1 << D {
-                add_corner(terms, &self.corner(cell, samples, first, corner)?, unknowns, matrix);
+                visit(&self.corner(cell, samples, first, corner)?);
             }
         }
         Ok(())
@@ -220,44 +301,6 @@ impl<const D: usize> SubCells<D> {
         }
         let gradients = corner_gradients(corner, &inverse).into_iter().map(|(corner, g)| (node(corner), g)).collect();
         Ok(Corner { volume: determinant / (1 << D) as f64, stiffness, excess, gradients })
-    }
-}
-
-/// Adds W block(grad phi_row, grad phi_column) for all pairs of functions, and the mass of the corner.
-fn add_corner<const D: usize>(
-    terms: Terms<'_, D>,
-    corner: &Corner<D>,
-    unknowns: &[Option<usize>],
-    matrix: &mut BlockMatrix<f64>,
-) {
-    let own = corner.gradients.len() - 1;
-    let lame = Lame { lambda: terms.lame.lambda + corner.excess / corner.stiffness, ..terms.lame };
-    for (k, (row, grad_row)) in corner.gradients.iter().enumerate() {
-        for (l, (column, grad_column)) in corner.gradients.iter().enumerate() {
-            if let (Some(row), Some(column)) = (unknowns[*row], unknowns[*column]) {
-                let weighted = grad_column.map(|g| g * corner.volume * corner.stiffness);
-                let mut block = lame.block(grad_row, &weighted);
-                if (k, l) == (own, own) {
-                    (0..D).for_each(|i| block[i][i] += terms.mass * corner.volume);
-                }
-                terms.decouple(row, column, &mut block);
-                matrix.add(row, column, |i, j| block[i][j]);
-            }
-        }
-    }
-}
-
-impl<const D: usize> Terms<'_, D> {
-    /// Sets the rows and columns of fixed components to zero, except the diagonal.
-    fn decouple(&self, row: usize, column: usize, block: &mut [[f64; D]; D]) {
-        for i in 0..D {
-            for j in 0..D {
-                let diagonal = row == column && i == j;
-                if !diagonal && (self.fixed[row][i] || self.fixed[column][j]) {
-                    block[i][j] = 0.0;
-                }
-            }
-        }
     }
 }
 
@@ -304,9 +347,12 @@ mod tests {
     ) -> (Vec<f64>, Vec<f64>) {
         let numbering = NodeNumbering::new(mesh, order);
         let sampler = StiffnessSampler::new(mesh, Stiffness::Constant, gauss_lobatto(order));
-        let unknowns: Vec<_> = (0..numbering.count).map(Some).collect();
-        let terms = Terms { lame: material().lame(), mass: 0.0, fixed: &vec![[false; D]; numbering.count] };
-        let matrix = matrix(terms, &numbering, |cell| sampler.cell(cell), &unknowns).unwrap();
+        let (free, fixed): (Vec<_>, _) = ((0..numbering.count).collect(), vec![[false; D]; numbering.count]);
+        let couplings = couplings::<D>(&numbering, &unknowns_of(&free, numbering.count));
+        let mut matrix = BlockMatrix::new(Kind::Cholesky, D, couplings);
+        let terms = Terms { lame: material().lame(), mass: 0.0, free: &free, fixed: &fixed };
+        let add = |row, column, block: &[[f64; D]; D]| matrix.add(row, column, |i, j| block[i][j]);
+        terms.assemble(Inertia::none(), &numbering, |cell| sampler.cell(cell), add).unwrap();
         let d: Vec<f64> = nodal_coordinates(mesh, &numbering).iter().flat_map(d).collect();
         (matrix.product(&d), d)
     }
@@ -344,9 +390,7 @@ mod tests {
         };
         // The last corner is moved across the diagonal.
         let samples = [sample(0.0, 0.0), sample(1.0, 0.0), sample(0.0, 1.0), sample(0.25, 0.25)];
-        let mut matrix = BlockMatrix::new(Kind::Cholesky, 2, vec![]);
-        let terms = Terms { lame: material().lame(), mass: 0.0, fixed: &[] };
-        let error = SubCells::new(2).add_cell(terms, 7, &samples, &[None; 4], &mut matrix).unwrap_err();
+        let error = SubCells::new(2).visit_corners(7, &samples, |_| {}).unwrap_err();
         assert!(
             matches!(&error, ElasticityError::SubCell { cell: 7, position, .. } if position == &[0.25, 0.25]),
             "{error}"

@@ -6,19 +6,28 @@
 
 mod aggregation;
 mod blocks;
+mod colouring;
+mod matrix;
+mod prolongation;
+
+pub(crate) use colouring::{Colouring, nodes_per_chunk};
+pub(crate) use matrix::BlockRows;
 
 use crate::ElasticityError;
 use crate::pool::Pool;
-use aggregation::{aggregates, filtered, smoothed, strong_neighbours, tentative};
-use blocks::{Block, BlockRows, add_block_vector, inverse};
+use aggregation::{Filtered, aggregates, smoothed, strong_neighbours, tentative};
+use blocks::{Block, inverse};
 use newton_krylov::inner_product;
+use prolongation::Prolongation;
 use sparse::{BlockMatrix, Factorisation, Kind};
 use std::array::from_fn;
-use std::borrow::Cow;
 use std::sync::Arc;
 
-/// The threshold of strong couplings on the finest level; it is halved on each coarser level.
+/// The threshold of strong couplings on the finest level in two dimensions; it is halved on each coarser level.
 const THETA: f64 = 0.08;
+
+/// The same in three dimensions. With 0.08 the second level has more entries than the first one, and the iterations are the same.
+const THETA_IN_SPACE: f64 = 0.03;
 
 /// The rigid motions in three dimensions. There (filtered) smooths the functions: in the boundary layer of a blade the iterations stay the
 /// same, and the levels take a tenth of the time. In two dimensions A itself keeps levels sparse, and takes fewer iterations up to order 8.
@@ -27,7 +36,7 @@ const IN_SPACE: usize = 6;
 /// A level with fewer unknowns than this is factored.
 const COARSEST: usize = 1500;
 
-/// A preconditioner on vectors of free nodes, `[node][component]`.
+/// A preconditioner on vectors in the order of its finest matrix, `[node][component]`.
 pub(crate) trait Cycle: Send + Sync {
     /// x = P^{-1} x.
     fn apply(&self, x: &mut [f64]);
@@ -38,21 +47,19 @@ pub(crate) trait Cycle: Send + Sync {
 /// The hierarchy for a matrix in D dimensions with nodes at `coordinates`, whose `fixed` components are coupled with nothing: coarse
 /// functions leave them alone.
 pub(crate) fn hierarchy<const D: usize>(
-    matrix: &BlockMatrix<f64>,
+    matrix: BlockRows<D>,
     coordinates: &[[f64; D]],
     fixed: &[[bool; D]],
 ) -> Result<Box<dyn Cycle>, ElasticityError> {
     let along = |axis: usize| coordinates.iter().map(|x| x[axis]).collect::<Vec<f64>>();
     let centre: [f64; D] = from_fn(|axis| inner_product::sum(&along(axis)) / coordinates.len() as f64);
-    let from_centre = |x: &[f64; D]| from_fn(|i| x[i] - centre[i]);
+    let nodes = coordinates.iter().map(|x| from_fn(|i| x[i] - centre[i])).zip(fixed);
     if D == 2 {
-        let modes =
-            coordinates.iter().zip(fixed).map(|(x, fixed)| rigid_motions::<D, 3>(&from_centre(x), fixed)).collect();
-        Ok(Box::new(Hierarchy::new(block_rows(matrix), modes)?))
+        let modes = nodes.map(|(x, fixed)| rigid_motions::<D, 3>(&x, fixed)).collect();
+        Ok(Box::new(Hierarchy::new(matrix, modes)?))
     } else {
-        let modes =
-            coordinates.iter().zip(fixed).map(|(x, fixed)| rigid_motions::<D, 6>(&from_centre(x), fixed)).collect();
-        Ok(Box::new(Hierarchy::new(block_rows(matrix), modes)?))
+        let modes = nodes.map(|(x, fixed)| rigid_motions::<D, 6>(&x, fixed)).collect();
+        Ok(Box::new(Hierarchy::new(matrix, modes)?))
     }
 }
 
@@ -66,27 +73,6 @@ fn rigid_motions<const D: usize, const B: usize>(x: &[f64; D], fixed: &[bool; D]
     motions
 }
 
-/// Both triangles of a matrix.
-fn block_rows<const D: usize>(matrix: &BlockMatrix<f64>) -> BlockRows<D, D> {
-    let mut lower = BlockRows::new();
-    for node in 0..matrix.nodes() {
-        lower
-            .push_row(matrix.column(node).map(|(row, block)| (row as u32, from_fn(|i| from_fn(|j| block[j * D + i])))));
-    }
-    // The blocks of a column on and below the diagonal, transposed, are the blocks of a row on and right of it.
-    let upper = lower.transpose(matrix.nodes());
-    let mut rows = BlockRows::new();
-    for node in 0..matrix.nodes() {
-        let left = upper
-            .row(node)
-            .filter(|(column, _)| *column < node)
-            .map(|(c, block)| (c as u32, blocks::transposed(block)));
-        let right = lower.row(node).map(|(c, block)| (c as u32, blocks::transposed(block)));
-        rows.push_row(left.chain(right));
-    }
-    rows
-}
-
 /// All levels; unknowns have R components per node on the finest and B, one per mode, on the others.
 struct Hierarchy<const R: usize, const B: usize> {
     finest: Level<R, B>,
@@ -97,28 +83,45 @@ struct Hierarchy<const R: usize, const B: usize> {
 
 /// A level that is not the coarsest.
 struct Level<const R: usize, const B: usize> {
-    matrix: BlockRows<R, R>,
+    matrix: BlockRows<R>,
     /// The inverses of the blocks on the diagonal.
     inverses: Vec<Block<R, R>>,
-    prolongation: BlockRows<R, B>,
+    prolongation: Prolongation<R, B>,
 }
 
-/// The residual and the correction of every level.
+/// The vectors of a level.
+struct Vectors<const R: usize> {
+    residual: Vec<[f64; R]>,
+    correction: Vec<[f64; R]>,
+    /// The residual after the forward sweep.
+    rest: Vec<[f64; R]>,
+}
+
+impl<const R: usize> Vectors<R> {
+    fn new(rows: usize) -> Self {
+        let vector = || vec![[0.0; R]; rows];
+        Vectors { residual: vector(), correction: vector(), rest: vector() }
+    }
+}
+
+/// The vectors of every level.
 struct Work<const R: usize, const B: usize> {
-    finest: [Vec<[f64; R]>; 2],
+    finest: Vectors<R>,
     /// The other levels, including the coarsest.
-    others: Vec<[Vec<[f64; B]>; 2]>,
+    others: Vec<Vectors<B>>,
     /// Work space of the factors of the coarsest level.
     solve: Vec<f64>,
 }
 
 impl<const R: usize, const B: usize> Hierarchy<R, B> {
-    fn new(matrix: BlockRows<R, R>, modes: Vec<Block<R, B>>) -> Result<Self, ElasticityError> {
-        let (finest, mut matrix, mut modes) = Level::new(matrix, &modes, THETA);
-        let (mut others, mut theta) = (Vec::new(), 0.5 * THETA);
+    fn new(matrix: BlockRows<R>, modes: Vec<Block<R, B>>) -> Result<Self, ElasticityError> {
+        let mut theta = if B == IN_SPACE { THETA_IN_SPACE } else { THETA };
+        let (finest, mut matrix, mut modes) = Level::new(matrix, modes, theta);
+        let mut others = Vec::new();
+        theta *= 0.5;
         while matrix.rows() * B > COARSEST {
             let rows = matrix.rows();
-            let (level, next, next_modes) = Level::new(matrix, &modes, theta);
+            let (level, next, next_modes) = Level::new(matrix, modes, theta);
             (matrix, modes) = (next, next_modes);
             others.push(level);
             let stays = matrix.rows() == rows;
@@ -134,30 +137,23 @@ impl<const R: usize, const B: usize> Hierarchy<R, B> {
     }
 
     fn work(&self) -> Work<R, B> {
-        let vectors = |rows: usize| [vec![[0.0; B]; rows], vec![[0.0; B]; rows]];
         let rows = self.others.iter().map(|level| level.matrix.rows()).chain([self.coarsest.tree().positions.len()]);
-        let finest = self.finest.matrix.rows();
-        Work {
-            finest: [vec![[0.0; R]; finest], vec![[0.0; R]; finest]],
-            others: rows.map(vectors).collect(),
-            solve: Vec::new(),
-        }
+        let finest = Vectors::new(self.finest.matrix.rows());
+        Work { finest, others: rows.map(Vectors::new).collect(), solve: Vec::new() }
     }
 
     /// One V-cycle for the residual of the first of `levels`; the last entry of `work` belongs to the coarsest one.
-    fn cycle(&self, levels: &[Level<B, B>], work: &mut [[Vec<[f64; B]>; 2]], solve: &mut Vec<f64>) {
-        let Some(([residual, correction], below)) = work.split_first_mut() else { return };
+    fn cycle(&self, levels: &[Level<B, B>], work: &mut [Vectors<B>], solve: &mut Vec<f64>) {
+        let Some((vectors, below)) = work.split_first_mut() else { return };
         match levels.split_first() {
             None => {
-                correction.copy_from_slice(residual);
-                self.coarsest.solve(correction.as_flattened_mut(), 1, solve);
+                vectors.correction.copy_from_slice(&vectors.residual);
+                self.coarsest.solve(vectors.correction.as_flattened_mut(), 1, solve);
             }
             Some((level, levels)) => {
-                level.smooth_forward(residual, correction);
-                level.restrict(correction, &mut below[0][0]);
+                level.descend(vectors, &mut below[0].residual);
                 self.cycle(levels, below, solve);
-                level.prolongation.add_product(1.0, &below[0][1], correction);
-                level.smooth_backward(residual, correction);
+                level.ascend(&below[0].correction, vectors);
             }
         }
     }
@@ -166,14 +162,12 @@ impl<const R: usize, const B: usize> Hierarchy<R, B> {
 impl<const R: usize, const B: usize> Cycle for Hierarchy<R, B> {
     fn apply(&self, x: &mut [f64]) {
         let mut work = self.work.take(|| self.work());
-        let Work { finest: [residual, correction], others, solve } = &mut work;
-        residual.as_flattened_mut().copy_from_slice(x);
-        self.finest.smooth_forward(residual, correction);
-        self.finest.restrict(correction, &mut others[0][0]);
+        let Work { finest, others, solve } = &mut work;
+        finest.residual.as_flattened_mut().copy_from_slice(x);
+        self.finest.descend(finest, &mut others[0].residual);
         self.cycle(&self.others, others, solve);
-        self.finest.prolongation.add_product(1.0, &others[0][1], correction);
-        self.finest.smooth_backward(residual, correction);
-        x.copy_from_slice(correction.as_flattened());
+        self.finest.ascend(&others[0].correction, finest);
+        x.copy_from_slice(finest.correction.as_flattened());
         self.work.give(work);
     }
     fn bytes(&self) -> usize {
@@ -183,50 +177,30 @@ impl<const R: usize, const B: usize> Cycle for Hierarchy<R, B> {
 
 impl<const R: usize, const B: usize> Level<R, B> {
     /// The level of a matrix, and the matrix and near-kernel of the next level.
-    fn new(matrix: BlockRows<R, R>, modes: &[Block<R, B>], theta: f64) -> (Self, BlockRows<B, B>, Vec<Block<B, B>>) {
-        let inverses: Vec<_> = (0..matrix.rows()).map(|row| inverse(&diagonal(&matrix, row))).collect();
+    fn new(matrix: BlockRows<R>, modes: Vec<Block<R, B>>, theta: f64) -> (Self, BlockRows<B>, Vec<Block<B, B>>) {
+        let inverses: Vec<_> = (0..matrix.rows()).map(|row| inverse(&matrix.diagonal(row))).collect();
         let strong = strong_neighbours(&matrix, theta);
         let (aggregate, count) = aggregates(&strong);
         let (functions, coarse_modes) = tentative(&aggregate, count, modes);
-        let smoother = if B == IN_SPACE { Cow::Owned(filtered(&matrix, &strong)) } else { Cow::Borrowed(&matrix) };
-        let prolongation = smoothed(&smoother, &inverses, &functions, count);
-        let coarse = prolongation.transpose(count).product(&matrix.product(&prolongation, count), count);
-        (Level { matrix, inverses, prolongation }, regular(coarse), coarse_modes)
+        let filtered = Filtered { matrix: &matrix, strong: (B == IN_SPACE).then_some(&strong) };
+        let mut prolongation = smoothed(&filtered, &inverses, &aggregate, &functions);
+        drop((functions, strong));
+        let (coarse, order) = prolongation.finish(&matrix, count);
+        let coarse_modes = order.iter().map(|&node| coarse_modes[node]).collect();
+        (Level { matrix, inverses, prolongation }, coarse, coarse_modes)
     }
 
-    /// x = (D + L)^{-1} r: a sweep of Gauss-Seidel from x = 0.
-    fn smooth_forward(&self, r: &[[f64; R]], x: &mut [[f64; R]]) {
-        for row in 0..x.len() {
-            let mut rest = r[row];
-            let before = self.matrix.row(row).take_while(|(column, _)| *column < row);
-            before.for_each(|(column, block)| subtract(block, &x[column], &mut rest));
-            x[row] = times(&self.inverses[row], &rest);
-        }
+    /// The forward sweep from zero, and the residual of the next level.
+    fn descend(&self, Vectors { residual, correction, rest }: &mut Vectors<R>, coarse: &mut [[f64; B]]) {
+        self.matrix.sweep_forward(&self.inverses, residual, correction);
+        self.matrix.residual_after_forward(correction, rest);
+        self.prolongation.restrict(rest, coarse);
     }
 
-    /// A sweep of Gauss-Seidel in the opposite direction.
-    fn smooth_backward(&self, r: &[[f64; R]], x: &mut [[f64; R]]) {
-        for row in (0..x.len()).rev() {
-            let mut rest = r[row];
-            let others = self.matrix.row(row).filter(|(column, _)| *column != row);
-            others.for_each(|(column, block)| subtract(block, &x[column], &mut rest));
-            x[row] = times(&self.inverses[row], &rest);
-        }
-    }
-
-    /// coarse = P^T (r - A x) for the x after [`Self::smooth_forward`]: r - A x = -U x.
-    fn restrict(&self, x: &[[f64; R]], coarse: &mut [[f64; B]]) {
-        coarse.fill([0.0; B]);
-        for row in 0..x.len() {
-            let mut rest = [0.0; R];
-            let behind = self.matrix.row(row).skip_while(|(column, _)| *column <= row);
-            behind.for_each(|(column, block)| subtract(block, &x[column], &mut rest));
-            for (aggregate, block) in self.prolongation.row(row) {
-                for (block, rest) in block.iter().zip(&rest) {
-                    (0..B).for_each(|k| coarse[aggregate][k] += block[k] * rest);
-                }
-            }
-        }
+    /// The correction of the next level, and the backward sweep.
+    fn ascend(&self, coarse: &[[f64; B]], Vectors { residual, correction, .. }: &mut Vectors<R>) {
+        self.prolongation.add_to(coarse, correction);
+        self.matrix.sweep_backward(&self.inverses, residual, correction);
     }
 
     fn bytes(&self) -> usize {
@@ -234,39 +208,7 @@ impl<const R: usize, const B: usize> Level<R, B> {
     }
 }
 
-/// A x
-#[inline(always)]
-fn times<const R: usize>(block: &Block<R, R>, x: &[f64; R]) -> [f64; R] {
-    let mut product = [0.0; R];
-    add_block_vector(block, x, &mut product);
-    product
-}
-
-/// y = y - A x
-#[inline(always)]
-fn subtract<const R: usize>(block: &Block<R, R>, x: &[f64; R], y: &mut [f64; R]) {
-    let product = times(block, x);
-    (0..R).for_each(|i| y[i] -= product[i]);
-}
-
-fn diagonal<const R: usize>(matrix: &BlockRows<R, R>, row: usize) -> Block<R, R> {
-    matrix.row(row).find(|(column, _)| *column == row).map_or([[0.0; R]; R], |(_, block)| *block)
-}
-
-/// Sets ones on the diagonal for modes that vanish on an aggregate: their rows and columns are zero.
-fn regular<const R: usize>(mut matrix: BlockRows<R, R>) -> BlockRows<R, R> {
-    for row in 0..matrix.rows() {
-        for place in matrix.starts[row]..matrix.starts[row + 1] {
-            if matrix.columns[place] as usize == row {
-                let block = &mut matrix.blocks[place];
-                (0..R).filter(|&k| block[k][k] == 0.0).collect::<Vec<_>>().into_iter().for_each(|k| block[k][k] = 1.0);
-            }
-        }
-    }
-    matrix
-}
-
-fn factor<const R: usize>(matrix: &BlockRows<R, R>) -> Result<Factorisation<f64>, ElasticityError> {
+fn factor<const R: usize>(matrix: &BlockRows<R>) -> Result<Factorisation<f64>, ElasticityError> {
     let neighbours = (0..matrix.rows()).map(|row| matrix.row(row).map(|(column, _)| column).collect()).collect();
     let mut symmetric = BlockMatrix::new(Kind::Cholesky, R, neighbours);
     for row in 0..matrix.rows() {

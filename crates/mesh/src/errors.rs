@@ -55,8 +55,8 @@ pub enum MeshError {
     },
     /// Points of a curve are closer than rounding can tell.
     #[error(
-        "closed curve mesh: the points {first:?} and {second:?} follow each other at a distance of {distance:e}, which rounding cannot tell \
-         from 0: leave one of them out"
+        "closed curve mesh: the points {first:?} and {second:?} follow each other at a distance of {distance:e}, far less than those \
+         beside it: leave one of them out"
     )]
     ClosePoints {
         /// A point.
@@ -106,7 +106,7 @@ pub enum MeshError {
     /// A face belongs to one cell only and to no boundary.
     #[error(
         "face {face} of cell {cell} at {position:?} has no neighbour and belongs to no boundary: \
-         a boundary without a name"
+         a boundary without a name, nodes that are there twice, or a cell whose corners are not in order"
     )]
     Unnamed {
         /// The cell.

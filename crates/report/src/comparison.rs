@@ -9,7 +9,7 @@ use super::html::escaped;
 use super::page::history;
 use super::run_files::RunFiles;
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 const TEMPLATE: &str = include_str!("comparison.html");
 
@@ -85,23 +85,23 @@ fn figures(runs: &[RunFiles], names: &[String]) -> String {
     table(names, rows.iter().map(row).collect())
 }
 
-/// The keys of the cases that differ from the first one.
+/// The keys with values that differ between the cases. A run without a case has no values.
 fn keys(runs: &[RunFiles], names: &[String]) -> String {
-    let mut rows: BTreeMap<String, Vec<String>> = BTreeMap::new();
-    let first = runs.first().and_then(RunFiles::case_text);
-    for (run, files) in runs.iter().enumerate().skip(1) {
-        let differences = first.zip(files.case_text()).and_then(|(one, other)| case::differences(one, other).ok());
-        for case::Difference { key, before, now } in differences.map_or_else(Vec::new, |differences| differences.all) {
-            let before = before.unwrap_or_else(|| "not there".to_owned());
-            rows.entry(key).or_insert_with(|| vec![before; runs.len()])[run] =
-                now.unwrap_or_else(|| "not there".to_owned());
-        }
-    }
-    let row = |(key, values): (&String, &Vec<String>)| {
-        let cells: String = values.iter().map(|value| format!("<td>{}</td>", escaped(value))).collect();
-        format!("<tr><th scope=\"row\">{}</th>{cells}</tr>\n", escaped(key))
+    let values = |run: &RunFiles| run.case_text().and_then(|text| case::values(text).ok());
+    let cases: Vec<Option<BTreeMap<String, String>>> = runs.iter().map(values).collect();
+    let keys: BTreeSet<&String> = cases.iter().flatten().flat_map(BTreeMap::keys).collect();
+    let row = |key: &String| {
+        let values: Vec<_> = cases.iter().flatten().map(|values| values.get(key)).collect();
+        let cell = |of_run: &Option<BTreeMap<String, String>>| {
+            let value = of_run.as_ref().map(|values| values.get(key).map_or("not there", String::as_str));
+            format!("<td>{}</td>", escaped(&case::cut(value.unwrap_or("no case"))))
+        };
+        let cells = || cases.iter().map(cell).collect::<String>();
+        let differ = values.windows(2).any(|pair| pair[0] != pair[1]);
+        differ.then(|| format!("<tr><th scope=\"row\">{}</th>{}</tr>\n", escaped(key), cells()))
     };
-    if rows.is_empty() { "<p>None.</p>\n".to_owned() } else { table(names, rows.iter().map(row).collect()) }
+    let rows: String = keys.into_iter().filter_map(row).collect();
+    if rows.is_empty() { "<p>None.</p>\n".to_owned() } else { table(names, rows) }
 }
 
 fn table(names: &[String], rows: String) -> String {

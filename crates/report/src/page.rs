@@ -51,7 +51,9 @@ fn status(run: &RunFiles) -> String {
         Status::Stopped(_) if run.failure.is_some() => ("bad", "failed", String::new()),
         Status::Stopped(reason) => ("bad", "stopped", escaped(reason)),
         Status::Interrupted => {
-            ("bad", "interrupted", "the run has left no summary; continue it with --resume".to_owned())
+            let remedy =
+                if run.result.is_ok() { "continue it with --resume" } else { "no checkpoint either; run it again" };
+            ("bad", "interrupted", format!("the run has left no summary; {remedy}"))
         }
     };
     let reached = run.history.column("t").and_then(|t| t.last().copied());

@@ -257,6 +257,10 @@ where
         };
         let mut summary = summary::of_flow(case, flow, (march, &errors), context, stop);
         summary.cost.peak_memory_of_processes = crew.peak_memories();
+        // Attempts at a slab that was never solved are not in the statistics.
+        let attempts = self.counts();
+        summary.cost.residual_evaluations += attempts.residuals as u64;
+        summary.cost.jacobian_products += (attempts.products + attempts.mesh_products) as u64;
         summary
     }
 

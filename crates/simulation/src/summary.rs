@@ -299,7 +299,8 @@ fn common<const D: usize>(
         reason: stop.map(Stop::reason),
         mesh: MeshSize { dimension: D, cells: case.mesh.n_cells(), order: case.mesh.order() },
         slabs: state.slab as u64,
-        rejected_slabs: context.statistics.rejected,
+        // Of a slab that was never solved, too.
+        rejected_slabs: context.statistics.rejected + state.rejected as u64,
         start_layer: context.statistics.start_layer,
         split_form_since: context.statistics.split_form_since,
         time: state.time,

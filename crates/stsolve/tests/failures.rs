@@ -29,8 +29,28 @@ fn a_slab_that_does_not_converge_stops_the_run() {
     );
     let run = directory.path().join("run");
     assert_eq!(last_good_time(&run), 0.0);
-    let reason = summary(&run)["reason"].as_str().unwrap().to_string();
+    let summary = summary(&run);
+    let reason = summary["reason"].as_str().unwrap().to_string();
     assert!(reason.contains("slab 1") && reason.contains("no convergence"), "{reason}");
+    // Attempts at the slab that was never solved were not counted.
+    assert_eq!(number(&summary, "rejected_slabs"), 1.0, "{summary}");
+    assert!(number(&summary, "cost.residual_evaluations") > 1.0 && number(&summary, "cost.jacobian_products") > 1.0);
+}
+
+/// Two attempts with an easier start were counted as shorter slabs.
+#[test]
+fn an_easier_start_is_no_shorter_slab() {
+    let directory = TempDir::new().unwrap();
+    let set = [
+        "mesh.generate.annulus.cells=[12,8]",
+        "flow.order=4",
+        "flow.initial.expression.velocity=[1,0]",
+        "solver.newton_steps=1",
+        "solver.fallback=none",
+        "time.adaptive={tolerance=1e-3,smallest=0.4}",
+    ];
+    let outcome = on_case(directory.path(), "run", "cylinder_street", &set, "run", &[]);
+    outcome.expect(1, &["the initial state gets a boundary layer", "could not be solved:"]);
 }
 
 /// With this stretch det J falls below zero at t = 0.929: every slab until then is kept.

@@ -257,6 +257,22 @@ fn runs_are_laid_over_each_other() {
     stsolve(directory.path(), &["report", "coarse", "nowhere"]).expect(2, &["`nowhere` is not the directory of a run"]);
 }
 
+/// A defect that was: runs without a key had the value of the first run.
+#[test]
+fn keys_of_several_cases_are_those_of_each() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    for (name, probe) in [("one", "{p={at=[1,1]}}"), ("two", "{p={at=[2,2]}}"), ("none", "{}")] {
+        let set = [&SMALL[..], &[&format!("output.probes={probe}")]].concat();
+        on_case(at, "run", "vortex", &set, name, &[]).expect(0, &[]);
+    }
+    stsolve(at, &["report", "one", "two", "none"]).expect(0, &[]);
+    let page = fs::read_to_string(at.join("one/comparison.html")).unwrap();
+    let values = "<td>[1.0, 1.0]</td><td>[2.0, 2.0]</td><td>not there</td>";
+    assert!(page.contains(&format!("<th scope=\"row\">output.probes.p.at</th>{values}")), "{page}");
+    assert!(!page.contains("<th scope=\"row\">output.probes</th>"));
+}
+
 #[test]
 fn what_is_no_run_is_refused() {
     let directory = TempDir::new().unwrap();

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{assert_same_bits, column, number, on_case, shipped, stsolve, summary};
+use common::{assert_same_bits, checkpoint, column, number, on_case, shipped, stsolve, summary};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -48,6 +48,31 @@ fn a_preconditioner_by_lines_resumes() {
     let directory = assert_interruption_leaves_no_trace(&changes, "2", "2.8");
     let builds = column(&directory.path().join("1"), "preconditioner_builds");
     assert!(builds[1..].contains(&1.0) && builds.contains(&0.0), "{builds:?}");
+}
+
+/// A defect that was: a resumed run joined other cells into the functions of the coarse level.
+#[test]
+fn a_coarse_level_of_slabs_resumes() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let set = [
+        "mesh.generate.box={lower=[0,0],upper=[10,10],cells=[34,34]}",
+        "mesh.order=2",
+        "flow.order=3",
+        "time.step=1",
+        "output.fields=[\"density\"]",
+    ];
+    let run = |end: &str, output: &str, extra: &[&str]| {
+        let end = format!("time.end={end}");
+        on_case(at, "run", "vortex", &[&set[..], &[&end]].concat(), output, extra).expect(0, &[]);
+    };
+    run("6", "through", &[]);
+    run("3", "resumed", &[]);
+    run("6", "resumed", &["--resume"]);
+    assert_same_bits(&at.join("through"), &at.join("resumed"), "interrupted at 3");
+    assert_eq!(checkpoint(&at.join("through")).0["frozen.coarse_level"], [1.0f64.to_bits()]);
+    let builds = column(&at.join("through"), "preconditioner_builds");
+    assert!(builds[3..].contains(&1.0), "{builds:?}");
 }
 
 /// The preconditioner of low order keeps its order of elimination.

@@ -84,9 +84,9 @@ pub struct TurbineBladeGenerator {
     pub inflow_angle: f64,
     /// The direction of the outgoing flow, in degrees from the x-axis.
     pub outflow_angle: f64,
-    /// The distance of the inflow from the layer, along x.
+    /// The distance of the inflow along x from the middle between the two front corners of the layer.
     pub inflow_distance: f64,
-    /// The distance of the outflow from the layer, along x.
+    /// The distance of the outflow along x from the middle between the two rear corners of the layer.
     pub outflow_distance: f64,
     /// The thickness of the layer of cells around the blade, less than the radius of curvature of every concave part of
     /// the blade.

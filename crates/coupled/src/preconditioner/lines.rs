@@ -8,7 +8,8 @@
 //!
 //! which is exact up to products of two and more L_k where coefficients are constant (alternating directions; Peaceman & Rachford
 //! 1955). A block has as many rows as a line has unknowns, not as a cell has. At any order, set-up and application cost little beside residuals,
-//! and the memory is small. It serves where slabs are short: where sound crosses no more than a cell or so in each.
+//! and the memory is small. It serves where slabs are short: where sound crosses no more than about the distance of two nodes, h / (N - 1), in each.
+//! At order 8 iterations grow from 45 to 188 and 470 as it crosses 0.7, 1.7 and 3.3 times that distance, with blocks from 12 to 20.
 
 use super::inverse::{Shape, as_real, invert};
 use super::modal::{Split, join, largest};

@@ -80,11 +80,11 @@ impl<const D: usize, const M: usize, T: Entry + 'static> FlowPreconditioner<D, M
         flow: &SlabOperator<D, M>,
         scales: TimeScales,
     ) -> Box<dyn FlowPreconditioner<D, M>> {
-        let (old, when, most) = (self.coarse.take(), self.when, self.most);
-        self.coarse = self.sweeps.update_beside(flow, scales, |sweeps| match old {
-            _ if !when.serves(scales) => None,
-            Some(coarse) => coarse.updated(sweeps, scales.damping),
-            None => CoarseLevel::new(flow, sweeps, scales.damping, most),
+        let (when, most) = (self.when, self.most);
+        // A resumed run has nothing but the new Jacobian, so its aggregates follow from that.
+        self.coarse = None;
+        self.coarse = self.sweeps.update_beside(flow, scales, |sweeps| {
+            if when.serves(scales) { CoarseLevel::new(flow, sweeps, scales.damping, most) } else { None }
         });
         self
     }

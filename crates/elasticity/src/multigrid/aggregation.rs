@@ -12,8 +12,11 @@
 //! B_c are the modes of the next level. Smoothing reduces the energy at the edges of aggregates. With F in place of A functions do not
 //! spread along weak couplings, so that coarse levels stay sparse where cells are thin.
 
-use super::blocks::{Block, BlockRows, add_block_product, add_block_vector, square_norm};
+use super::blocks::{Block, add_block_product, add_block_vector, square_norm};
+use super::matrix::BlockRows;
+use super::prolongation::{Prolongation, entry_of};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
+use rayon::prelude::*;
 
 /// A few power iterations underestimate the largest eigenvalue of D^{-1} A by less than this factor.
 const SAFETY: f64 = 1.1;
@@ -72,13 +75,12 @@ impl Strong {
 }
 
 /// Nodes i and j are strongly coupled if |A_ij| > theta sqrt(|A_ii| |A_jj|).
-pub(crate) fn strong_neighbours<const R: usize>(matrix: &BlockRows<R, R>, theta: f64) -> Strong {
-    let diagonal = |row: usize| matrix.row(row).find(|(column, _)| *column == row).map_or(0.0, |(_, b)| square_norm(b));
-    let norms: Vec<f64> = (0..matrix.rows()).map(|row| diagonal(row).sqrt()).collect();
+pub(crate) fn strong_neighbours<const R: usize>(matrix: &BlockRows<R>, theta: f64) -> Strong {
+    let norms: Vec<f64> = (0..matrix.rows()).map(|row| square_norm(&matrix.diagonal(row)).sqrt()).collect();
     let mut strong = Strong { starts: vec![0], nodes: Vec::new(), strengths: Vec::new() };
     for row in 0..matrix.rows() {
         for (column, block) in matrix.row(row).filter(|(column, _)| *column != row) {
-            let strength = square_norm(block) / (norms[row] * norms[column]);
+            let strength = square_norm(&block) / (norms[row] * norms[column]);
             if strength > theta * theta {
                 strong.nodes.push(column as u32);
                 strong.strengths.push(strength);
@@ -89,21 +91,17 @@ pub(crate) fn strong_neighbours<const R: usize>(matrix: &BlockRows<R, R>, theta:
     strong
 }
 
-/// T and B_c by (tentative), for the modes `modes[node]` of the near-kernel, `[component][mode]`.
+/// T and B_c by (tentative), for the modes `modes[node]` of the near-kernel, `[component][mode]`. T has one block per node, in the column of
+/// its aggregate.
 pub(crate) fn tentative<const R: usize, const B: usize>(
     aggregate: &[usize],
     count: usize,
-    modes: &[Block<R, B>],
-) -> (BlockRows<R, B>, Vec<Block<B, B>>) {
+    mut modes: Vec<Block<R, B>>,
+) -> (Vec<Block<R, B>>, Vec<Block<B, B>>) {
     let mut members = vec![Vec::new(); count];
     aggregate.iter().enumerate().for_each(|(node, &aggregate)| members[aggregate].push(node));
-    let mut functions = modes.to_vec();
-    let coarse = members.iter().map(|nodes| orthonormalise(nodes, &mut functions)).collect();
-    let mut tentative = BlockRows::new();
-    for (&aggregate, block) in aggregate.iter().zip(functions) {
-        tentative.push_row([(aggregate as u32, block)]);
-    }
-    (tentative, coarse)
+    let coarse = members.iter().map(|nodes| orthonormalise(nodes, &mut modes)).collect();
+    (modes, coarse)
 }
 
 /// Makes the columns of `functions` at `nodes` orthonormal by Gram-Schmidt, every column twice; returns the triangular factor. A
@@ -129,60 +127,69 @@ fn orthonormalise<const R: usize, const B: usize>(nodes: &[usize], functions: &m
     factor
 }
 
-/// F by (filtered).
-pub(crate) fn filtered<const R: usize>(matrix: &BlockRows<R, R>, strong: &Strong) -> BlockRows<R, R> {
-    let mut filtered = BlockRows::new();
-    for row in 0..matrix.rows() {
-        let is_kept = |column: usize| column == row || strong.of(row).binary_search(&(column as u32)).is_ok();
+/// F by (filtered), or A itself without strong neighbours.
+pub(crate) struct Filtered<'a, const R: usize> {
+    pub(crate) matrix: &'a BlockRows<R>,
+    pub(crate) strong: Option<&'a Strong>,
+}
+
+impl<const R: usize> Filtered<'_, R> {
+    /// Visits the columns and blocks of a row.
+    fn visit(&self, row: usize, mut visit: impl FnMut(usize, &Block<R, R>)) {
+        let Some(strong) = self.strong else {
+            return self.matrix.row(row).for_each(|(column, block)| visit(column, &block));
+        };
         let mut diagonal = [[0.0; R]; R];
-        for (_, block) in matrix.row(row).filter(|(column, _)| *column == row || !is_kept(*column)) {
-            diagonal.as_flattened_mut().iter_mut().zip(block.as_flattened()).for_each(|(sum, entry)| *sum += entry);
+        for (column, block) in self.matrix.row(row) {
+            if column != row && strong.of(row).binary_search(&(column as u32)).is_ok() {
+                visit(column, &block);
+            } else {
+                diagonal.as_flattened_mut().iter_mut().zip(block.as_flattened()).for_each(|(sum, entry)| *sum += entry);
+            }
         }
-        let kept = matrix.row(row).filter(|(column, _)| is_kept(*column));
-        filtered.push_row(kept.map(|(column, block)| (column as u32, if column == row { diagonal } else { *block })));
+        visit(row, &diagonal);
     }
-    filtered
 }
 
-/// P by (smoothed), for the inverse blocks `inverses` of D, F in `matrix`, and `count` aggregates.
+/// P by (smoothed), for the inverse blocks `inverses` of D and the blocks `tentative` of T.
 pub(crate) fn smoothed<const R: usize, const B: usize>(
-    matrix: &BlockRows<R, R>,
+    filtered: &Filtered<'_, R>,
     inverses: &[Block<R, R>],
-    tentative: &BlockRows<R, B>,
-    count: usize,
-) -> BlockRows<R, B> {
-    let damping = 4.0 / 3.0 / (SAFETY * largest_eigenvalue(matrix, inverses));
-    let product = matrix.product(tentative, count);
-    let mut prolongation = BlockRows::new();
-    for row in 0..matrix.rows() {
-        // A node is coupled with itself, so its aggregate is among those of the product.
-        prolongation.push_row(product.row(row).map(|(column, block)| {
-            let mut smoothed = [[0.0; B]; R];
-            add_block_product(&inverses[row], block, &mut smoothed);
-            smoothed.iter_mut().flatten().for_each(|entry| *entry *= -damping);
-            let own = tentative.row(row).find(|(aggregate, _)| *aggregate == column);
-            own.iter().for_each(|(_, own)| (0..R).for_each(|i| (0..B).for_each(|k| smoothed[i][k] += own[i][k])));
-            (column as u32, smoothed)
-        }));
+    aggregate: &[usize],
+    tentative: &[Block<R, B>],
+) -> Prolongation<R, B> {
+    let damping = 4.0 / 3.0 / (SAFETY * largest_eigenvalue(filtered, inverses));
+    let (mut rows, mut products, mut row) = (Prolongation::new(), Vec::new(), Vec::new());
+    for (node, inverse) in inverses.iter().enumerate() {
+        products.clear();
+        filtered.visit(node, |column, block| {
+            add_block_product(block, &tentative[column], entry_of(&mut products, aggregate[column]));
+        });
+        row.clear();
+        *entry_of(&mut row, aggregate[node]) = tentative[node];
+        let damped = inverse.map(|entries| entries.map(|entry| -damping * entry));
+        products.iter().for_each(|(column, product)| add_block_product(&damped, product, entry_of(&mut row, *column)));
+        rows.push(row.iter().copied());
     }
-    prolongation
+    rows
 }
 
-/// The largest eigenvalue of D^{-1} A by power iterations, from below.
-fn largest_eigenvalue<const R: usize>(matrix: &BlockRows<R, R>, inverses: &[Block<R, R>]) -> f64 {
+/// The largest eigenvalue of D^{-1} F by power iterations, from below.
+fn largest_eigenvalue<const R: usize>(filtered: &Filtered<'_, R>, inverses: &[Block<R, R>]) -> f64 {
     // Any vector without symmetry works, if it is the same in every run.
     let entry = |node: usize, i: usize| ((node * R + i) as f64 * 0.754_877_666).fract() - 0.5;
-    let mut x: Vec<[f64; R]> = (0..matrix.rows()).map(|node| std::array::from_fn(|i| entry(node, i))).collect();
+    let mut x: Vec<[f64; R]> = (0..inverses.len()).map(|node| std::array::from_fn(|i| entry(node, i))).collect();
     let mut eigenvalue = 1.0;
     for _ in 0..POWER_ITERATIONS {
         let norm = Euclidean.norm(x.as_flattened());
         x.as_flattened_mut().iter_mut().for_each(|x| *x /= norm);
-        let mut product = vec![[0.0; R]; x.len()];
-        matrix.add_product(1.0, &x, &mut product);
-        for ((x, product), inverse) in x.iter_mut().zip(&product).zip(inverses) {
-            *x = [0.0; R];
-            add_block_vector(inverse, product, x);
-        }
+        let product = |(row, inverse): (usize, &Block<R, R>)| {
+            let (mut sum, mut product) = ([0.0; R], [0.0; R]);
+            filtered.visit(row, |column, block| add_block_vector(block, &x[column], &mut sum));
+            add_block_vector(inverse, &sum, &mut product);
+            product
+        };
+        x = inverses.par_iter().with_min_len(64).enumerate().map(product).collect();
         eigenvalue = Euclidean.norm(x.as_flattened());
     }
     eigenvalue

@@ -158,7 +158,7 @@ pub enum GmshError {
     /// A named element of dimension D - 1 is not a face of a cell.
     #[error(
         "element {element} of boundary \"{name}\" is not a face of any cell: a physical group for the cells beside it too, or none for it; if \
-         they have one, the corners of a cell there are not in order"
+         they have one, the corners of a cell there are not in order, or its nodes are there twice"
     )]
     Stray {
         /// The element.

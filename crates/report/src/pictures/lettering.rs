@@ -20,7 +20,7 @@ const THICKNESS: f64 = 0.13;
 const UNKNOWN: &str = "02 08 48 42 02";
 
 /// The strokes of every letter, separated by `/`.
-const LETTERS: [(char, &str); 76] = [
+const LETTERS: [(char, &str); 95] = [
     ('0', "12 03 07 18 38 47 43 32 12"),
     ('O', "12 03 07 18 38 47 43 32 12"),
     ('1', "06 28 22"),
@@ -96,11 +96,51 @@ const LETTERS: [(char, &str); 76] = [
     (')', "08 16 14 02"),
     ('_', "01 41"),
     ('\'', "08 07"),
+    ('"', "08 07/18 17"),
+    ('!', "08 04/02 02"),
+    ('?', "07 18 28 37 36 25 24/22 22"),
+    (';', "16 16/12 01"),
+    ('&', "42 15 07 18 27 26 04 03 12 22 44"),
+    ('%', "08 18 17 07 08/02 48/32 42 43 33 32"),
+    ('#', "12 18/32 38/04 44/06 46"),
+    ('@', "34 36 25 14 24 34 44 47 38 18 07 03 12 42"),
+    ('*', "05 45/14 36/34 16"),
+    ('<', "37 05 33"),
+    ('>', "07 35 03"),
+    ('[', "18 08 02 12"),
+    (']', "08 18 12 02"),
+    ('{', "28 18 16 05 14 12 22"),
+    ('}', "08 18 16 25 14 12 02"),
+    ('^', "06 28 46"),
+    ('~', "05 16 24 35"),
+    ('\\', "08 42"),
+    ('\u{b0}', "08 18 17 07 08"),
     ('\u{2080}', "13 02 01 10 21 22 13"),
 ];
 
-/// The strokes of a letter.
+/// Letters of western languages with accents.
+const ACCENTED: [(char, &str); 16] = [
+    ('A', "ÀÁÂÃÄÅ"),
+    ('C', "Ç"),
+    ('E', "ÈÉÊË"),
+    ('I', "ÌÍÎÏ"),
+    ('N', "Ñ"),
+    ('O', "ÒÓÔÕÖØ"),
+    ('U', "ÙÚÛÜ"),
+    ('Y', "Ý"),
+    ('a', "àáâãäå"),
+    ('c', "ç"),
+    ('e', "èéêë"),
+    ('i', "ìíîï"),
+    ('n', "ñ"),
+    ('o', "òóôõöø"),
+    ('u', "ùúûü"),
+    ('y', "ýÿ"),
+];
+
+/// The strokes of a letter. One with an accent is drawn without it.
 fn strokes(letter: char) -> &'static str {
+    let letter = ACCENTED.iter().find(|(_, accented)| accented.contains(letter)).map_or(letter, |(plain, _)| *plain);
     LETTERS.iter().find(|(known, _)| *known == letter).map_or(UNKNOWN, |(_, strokes)| strokes)
 }
 
@@ -148,7 +188,8 @@ pub fn write(lines: &mut LineLayer, text: &str, [x, y]: [f64; 2], size: f64) {
 mod tests {
     use super::*;
 
-    const TESTED: &str = "0123456789ABCDEFGHIJKLMNPQRSTUVWXYZabcdefghijkmnopqrstuvwxyz.,:-+=/()_'\u{2080}";
+    const TESTED: &str =
+        "0123456789ABCDEFGHIJKLMNPQRSTUVWXYZabcdefghijkmnopqrstuvwxyz.,:-+=/()_'\"!?;&%#@*<>[]{}^~\\\u{b0}\u{2080}";
 
     #[test]
     fn letters_differ_and_stay_in_their_box() {
@@ -174,6 +215,12 @@ mod tests {
         // Capitals end 12 pixels above their line.
         assert!((0..7).all(|row| lines.coverage[row * 100..][..100].iter().all(|c| *c == 0.0)));
         assert!((0..7).any(|row| lines.coverage[(row + 7) * 100..][..100].iter().any(|c| *c > 0.3)));
+    }
+
+    #[test]
+    fn accents_are_left_out() {
+        assert_eq!(strokes('Ö'), strokes('O'));
+        assert_eq!(strokes('é'), strokes('e'));
     }
 
     #[test]

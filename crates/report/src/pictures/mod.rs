@@ -36,7 +36,7 @@ pub use colour::{ColourMap, css};
 pub use cuts::Cut;
 pub use error::PictureError;
 pub use movie::{Movie, movie, picture};
-pub use quantity::{PictureQuantity, Range};
+pub use quantity::{PictureQuantity, Range, Scales};
 pub use shot::Scenario;
 pub use window::Window;
 
@@ -126,7 +126,7 @@ fn draw_in<const D: usize, const M: usize>(
     let steps = chosen(reader.times.len(), MOST_STEPS);
     let snapshots = steps.iter().map(|&step| scheme.at(reader, step)).collect::<Result<Vec<_>, _>>()?;
     let view = View::<D>::new::<M>(reader, &snapshots, q_level);
-    let quantities = ranges::<D, M>(scheme.quantities(), &view, &snapshots);
+    let quantities = ranges::<D, M>(scheme.quantities(), (&view, &view.windows[0]), &snapshots);
     let draw = |snapshot: &Snapshot<D>| {
         let drawn = view.draw::<M>(snapshot, &view.windows, &quantities);
         drawn.iter().map(|(drawn, shift)| drawn.encode(&quantities, *shift)).collect()
@@ -139,15 +139,17 @@ fn draw_in<const D: usize, const M: usize>(
     Ok(Pictures { dimension: D, quantities, windows: view.windows, frames, cuts })
 }
 
-/// The ranges of colours, the same at all times.
+/// The ranges of colours in a window, the same at all times.
 fn ranges<const D: usize, const M: usize>(
     quantities: &[PictureQuantity],
-    view: &View<D>,
+    (view, window): (&View<D>, &Window),
     snapshots: &[Snapshot<D>],
 ) -> Vec<(PictureQuantity, Range)> {
-    let window = view.windows[0].with_pixels(PREVIEW_PIXELS);
+    let window = window.with_pixels(PREVIEW_PIXELS);
     let preview = |snapshot: &Snapshot<D>| view.raster::<M>(snapshot, &window, quantities.len());
     let previews: Vec<_> = snapshots.par_iter().map(preview).collect();
     let values = |q: usize| previews.iter().flat_map(|preview| preview.of(q)).collect();
-    quantities.iter().enumerate().map(|(q, quantity)| (*quantity, quantity.range(values(q)))).collect()
+    let speed = snapshots.iter().map(Snapshot::fastest_wave::<M>).fold(0.0, f64::max);
+    let scales = Scales { length: view.mesh.length(), speed };
+    quantities.iter().enumerate().map(|(q, quantity)| (*quantity, quantity.range(values(q), scales))).collect()
 }

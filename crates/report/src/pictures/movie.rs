@@ -67,7 +67,7 @@ impl<'r, const D: usize> Studio<'r, D> {
         let window = scenario.width.map_or_else(|| window.clone(), |width| window.with_width(width));
         let range = match scenario.range {
             Some([lower, upper]) => Range::new(lower, upper).ok_or(PictureError::NoRange { lower, upper })?,
-            None => ranges::<D, M>(&[quantity], &view, &snapshots)[0].1,
+            None => ranges::<D, M>(&[quantity], (&view, &window), &snapshots)[0].1,
         };
         drop(snapshots);
         let shot = Shot {

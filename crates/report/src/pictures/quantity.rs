@@ -139,24 +139,51 @@ impl PictureQuantity {
         (self.colours() == ColourMap::Diverging).then_some([0xa9, 0xb1, 0xb8])
     }
 
+    /// The size that it usually has; 0 if it is known by its values alone.
+    fn natural_size(self, scales: Scales) -> f64 {
+        match self {
+            PictureQuantity::Flow(Field::Mach) => 1.0,
+            PictureQuantity::Flow(Field::Velocity | Field::MeshVelocity) => scales.speed,
+            PictureQuantity::Displacement | PictureQuantity::Flow(Field::Displacement) => scales.length,
+            _ => 0.0,
+        }
+    }
+
     /// The range of colours for the values in the pictures. A few values at the ends are left out, so that one corner does
-    /// not take all the colours. The range is wide enough not to show round-off as a field.
-    pub fn range(self, mut values: Vec<f32>) -> Range {
+    /// not take all the colours. The range is wide enough not to show round-off as a field, by the natural size of the quantity.
+    pub fn range(self, mut values: Vec<f32>, scales: Scales) -> Range {
         values.retain(|value| value.is_finite());
         values.sort_unstable_by(f32::total_cmp);
         let at = |part: f64| values.get((part * values.len() as f64) as usize).map_or(0.0, |value| f64::from(*value));
         let (lower, upper) = (at(0.002), at(0.998));
         match self {
-            PictureQuantity::Flow(Field::Vorticity) => around(0.0, lower, upper, 1e-6),
+            PictureQuantity::Flow(Field::Vorticity) => {
+                around(0.0, lower, upper, positive(1e-6 * scales.speed / scales.length, 1e-6))
+            }
             PictureQuantity::Jacobian => around(1.0, lower, upper, 0.01),
             PictureQuantity::ScaledJacobian => Range { lower: lower.min(0.99), upper: 1.0 },
             _ => {
-                let least = 1e-5 * lower.abs().max(upper.abs()).max(1e-5);
+                let largest = lower.abs().max(upper.abs()).max(1e-5 * self.natural_size(scales));
+                let least = positive(1e-5 * largest, 1e-10);
                 let missing = (least - 0.5 * (upper - lower)).max(0.0);
                 Range { lower: lower - missing, upper: upper + missing }
             }
         }
     }
+}
+
+/// Sizes of a mesh and its flow, in the units of the case.
+#[derive(Clone, Copy, Debug)]
+pub struct Scales {
+    /// The longest edge of the box around the mesh.
+    pub length: f64,
+    /// The fastest wave; 0 without a flow.
+    pub speed: f64,
+}
+
+/// `x`, or `otherwise` if it is not positive.
+fn positive(x: f64, otherwise: f64) -> f64 {
+    if x > 0.0 { x } else { otherwise }
 }
 
 /// The range centred at `middle` that contains both ends, and extends at least `least` to both sides.
@@ -168,6 +195,8 @@ fn around(middle: f64, lower: f64, upper: f64, least: f64) -> Range {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const SCALES: Scales = Scales { length: 10.0, speed: 2.0 };
 
     #[test]
     fn the_page_shows_fields_that_the_case_asks_for() {
@@ -182,23 +211,35 @@ mod tests {
     fn a_single_peak_does_not_take_all_colours() {
         let mut values: Vec<f32> = (0..1000).map(|i| i as f32 * 1e-3).collect();
         values.extend([500.0, f32::NAN]);
-        let Range { lower, upper } = PictureQuantity::Flow(Field::Mach).range(values);
+        let Range { lower, upper } = PictureQuantity::Flow(Field::Mach).range(values, SCALES);
         assert!((lower - 0.002).abs() < 1e-3 && (upper - 0.999).abs() < 2e-3, "{lower} {upper}");
     }
 
     #[test]
     fn signed_quantities_are_white_in_the_middle() {
-        let Range { lower, upper } = PictureQuantity::Flow(Field::Vorticity).range(vec![-3.0, 1.0, 0.0]);
+        let Range { lower, upper } = PictureQuantity::Flow(Field::Vorticity).range(vec![-3.0, 1.0, 0.0], SCALES);
         assert_eq!((lower, upper), (-3.0, 3.0));
-        assert_eq!(PictureQuantity::Jacobian.range(vec![1.0, 1.0]), Range { lower: 0.99, upper: 1.01 });
+        assert_eq!(PictureQuantity::Jacobian.range(vec![1.0, 1.0], SCALES), Range { lower: 0.99, upper: 1.01 });
     }
 
     #[test]
     fn round_off_is_not_drawn_as_a_field() {
-        let Range { lower, upper } = PictureQuantity::Flow(Field::Pressure).range(vec![2.0, 2.0 + 1e-6]);
+        let Range { lower, upper } = PictureQuantity::Flow(Field::Pressure).range(vec![2.0, 2.0 + 1e-6], SCALES);
         assert!(upper - lower > 3.9e-5, "{lower} {upper}");
-        let Range { lower, upper } = PictureQuantity::Flow(Field::Mach).range(vec![]);
+        let Range { lower, upper } = PictureQuantity::Flow(Field::Mach).range(vec![], SCALES);
         assert!((lower + 1e-10).abs() < 1e-20 && (upper - 1e-10).abs() < 1e-20, "{lower} {upper}");
+    }
+
+    /// A defect that was: the density of a gas in tonnes and millimetres was one colour.
+    #[test]
+    fn a_range_does_not_depend_on_units() {
+        let density = |unit: f64| {
+            let values = [1.0, 1.2].map(|x| (x * unit) as f32).to_vec();
+            let Range { lower, upper } = PictureQuantity::Flow(Field::Density).range(values, SCALES);
+            [lower / unit, upper / unit]
+        };
+        let ([one, other], [lower, upper]) = (density(1.0), density(1e-12));
+        assert!((one - lower).abs() < 1e-6 && (other - upper).abs() < 1e-6, "{lower} {upper}");
     }
 
     #[test]

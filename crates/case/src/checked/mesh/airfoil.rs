@@ -10,7 +10,7 @@ use ::mesh::Mesh;
 use ::mesh::generate::{AirfoilMesh, NearPart};
 
 const PARAMETERS: &[(&str, &str)] = &[
-    ("the thickness", "thickness"),
+    ("the points of the contour", "profile"),
     ("the distance of the far field", "far_field"),
     ("the height of the first cell", "first_cell"),
     ("the length of the cell at the trailing edge", "trailing_edge_cell"),
@@ -21,12 +21,17 @@ const PARAMETERS: &[(&str, &str)] = &[
     ("the number of cells outwards", "normal_cells"),
     ("the extent of the cells near the wall", "near_wall.extent"),
     ("the number of cells near the wall", "near_wall.cells"),
+    ("the thickness", "thickness"),
 ];
 
 pub(super) fn build(checker: &Checker<'_>, given: &AirfoilGenerator, order: usize) -> Checked<Mesh<2>> {
-    let is_by_thickness = given.naca.is_none() && given.profile.is_none();
-    // The first one is the thickness.
-    let parameters = if is_by_thickness { PARAMETERS } else { &PARAMETERS[1..] };
+    // The first one is a file of points, the last one the thickness.
+    let last = PARAMETERS.len() - 1;
+    let parameters = match (&given.profile, &given.naca) {
+        (Some(_), _) => &PARAMETERS[..last],
+        (None, Some(_)) => &PARAMETERS[1..last],
+        (None, None) => &PARAMETERS[1..],
+    };
     let family = Family { checker, key: Key::new("mesh.generate.airfoil"), parameters };
     let thickness = given.thickness.unwrap_or(AirfoilMesh::naca0012(order).thickness);
     let AirfoilGenerator { far_field, first_cell, trailing_edge_cell, .. } = *given;

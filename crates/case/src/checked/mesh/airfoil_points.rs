@@ -38,10 +38,8 @@ impl Points {
         if points.len() < FEWEST {
             return Err(format!("{} points define no airfoil", points.len()));
         }
-        let half = points.len() / 2;
-        let mean = |points: &[[f64; 2]]| points.iter().map(|x| x[1]).sum::<f64>() / points.len() as f64;
-        // From below, as the parameter of the contour runs.
-        if mean(&points[..half]) > mean(&points[half..]) {
+        // From below, as the parameter of the contour runs: clockwise.
+        if twice_the_area(&points) > 0.0 {
             points.reverse();
         }
         let points = normalised(&points)?;
@@ -70,6 +68,17 @@ impl Points {
     pub(super) fn contour(&self) -> Contour<'_> {
         Contour { position: Box::new(|t| [self.x.evaluate(t), self.y.evaluate(t)]), ends: self.ends }
     }
+}
+
+/// Twice the area that the points enclose, positive if they run counter-clockwise.
+fn twice_the_area(points: &[[f64; 2]]) -> f64 {
+    let [first, ..] = points else { return 0.0 };
+    let from_first = |x: &[f64; 2]| [x[0] - first[0], x[1] - first[1]];
+    let triangle = |pair: &[[f64; 2]]| {
+        let [a, b] = [from_first(&pair[0]), from_first(&pair[1])];
+        a[0] * b[1] - a[1] * b[0]
+    };
+    points.windows(2).map(triangle).sum()
 }
 
 /// The points in the order around the airfoil. A file in the format of Lednicer begins with the numbers of points on both sides, each of which
@@ -169,5 +178,20 @@ mod tests {
         let mut wavy = points(40, 0.0);
         wavy[10][0] += 0.4;
         assert!(refused(wavy).contains("x does not increase"));
+    }
+
+    /// A defect that was: of a thin airfoil with more points at one side both sides were exchanged, and the thickness was 0.
+    #[test]
+    fn points_may_be_closer_on_one_side() {
+        let (airfoil, symmetric) =
+            (FourDigits::of("9502").unwrap(), AirfoilMesh { thickness: 0.02, ..AirfoilMesh::naca0012(3) });
+        let above = (0..=40).map(|k| (0.5 * std::f64::consts::PI * f64::from(k) / 40.0).cos());
+        let below = (1..=40).map(|k| -(f64::from(k) / 40.0).sqrt());
+        let mut points: Vec<[f64; 2]> = above.chain(below).map(|sigma| airfoil.position(&symmetric, sigma)).collect();
+        for _ in 0..2 {
+            points.reverse();
+            let thickness = Points::through(points.clone()).unwrap().contour().thickness();
+            assert!((thickness - 0.02).abs() < 2e-3, "{thickness}");
+        }
     }
 }

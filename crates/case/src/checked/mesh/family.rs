@@ -59,7 +59,12 @@ impl Family<'_> {
     fn less_curved(&self) -> String {
         let mut keys: Vec<&str> = self.parameters.iter().filter_map(|(_, path)| path.split('.').next()).collect();
         keys.dedup();
-        format!("cells that are less curved: other values of `{}`, or a higher order", keys.join("`, `"))
+        let named = |key: &&str| match *key {
+            "profile" => "`profile` (points closer to each other at the nose)".to_owned(),
+            key => format!("`{key}`"),
+        };
+        let named: Vec<String> = keys.iter().map(named).collect();
+        format!("cells that are less curved: other values of {}, or another order", named.join(", "))
     }
 
     /// The error of the generator at `key`.

@@ -96,10 +96,10 @@ impl<'a, const D: usize> Facts<'a, D> {
         fem::Orders { flow: flow.order, mesh: self.case.mesh.order(), time: self.case.time.order }
     }
 
-    /// The number of the smallest cells that the fastest wave crosses in a slab.
-    fn cells_crossed(&self, flow: &Flow<D>) -> f64 {
+    /// The way of the fastest wave in a slab, in distances of nodes of the smallest cells.
+    fn acoustic_cfl(&self, flow: &Flow<D>) -> f64 {
         let wave = flow.reference_speed * (1.0 + 1.0 / flow.law.reference.mach());
-        wave * self.case.time.step / self.smallest_size
+        wave * self.case.time.step / self.smallest_size * (flow.order as f64 - 1.0)
     }
 
     /// The size of coefficients and fields of the slabs that are written, in MB.

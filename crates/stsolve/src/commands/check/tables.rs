@@ -157,8 +157,6 @@ fn flow_table<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Table {
     let (gas, reference) = (&flow.law.gas, &flow.law.reference);
     let reynolds = reference.reynolds(gas, flow.reference_length);
     let orders = facts.orders(flow);
-    // The fastest wave relative to the node spacing.
-    let cfl = facts.cells_crossed(flow) * (flow.order as f64 - 1.0);
     let mut table = Table::new("flow");
     table
         .row("order", flow.order, "nodes per direction and cell")
@@ -173,7 +171,7 @@ fn flow_table<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Table {
             "",
         )
         .row("Prandtl number", gas.prandtl(), "")
-        .row("acoustic CFL number", cfl, "");
+        .row("acoustic CFL number", facts.acoustic_cfl(flow), "");
     if let Some(scales) = facts.motion {
         let (length, speed, omega) = (flow.reference_length, flow.reference_speed, scales.frequency());
         let strouhal = omega * scales.amplitude / (std::f64::consts::PI * speed);
