@@ -1,7 +1,8 @@
 //! Corrections of a solution of linear equations of a structure, until only round-off is left.
 //!
-//! One correction would be exact if its systems were solved exactly. The residual is compared with the forces that cancel in it. Where these are
-//! themselves rounding, as in a body that moves as a rigid one, nothing is left to correct.
+//! One correction would be exact if its systems were solved exactly. The residual is compared with the forces that cancel in it. Where a body has
+//! moved far, these may be no larger than the rounding of stiffness times displacement. There is one correction all the same: a load that is small
+//! beside the rounding of every node still moves the whole body, because rounding inside of it cancels.
 
 use crate::ElasticityError;
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
@@ -15,8 +16,8 @@ const ROUND_OFF: f64 = 0.1;
 /// It is an error if the residual stagnates by round-off above this.
 const STALLED: f64 = 1e-5;
 
-/// Forces below this many times their rounding are rounding.
-const ROUNDINGS: f64 = 100.0;
+/// A residual below this many times its rounding, as estimated, is rounding.
+pub(crate) const ROUNDINGS: f64 = 100.0;
 
 /// Rounding of a force is about this part of stiffness times displacement.
 pub(crate) const ROUNDING: f64 = 10.0 * f64::EPSILON;
@@ -65,7 +66,7 @@ pub(crate) fn correct(
     let [mut norm, mut forces] = equations.residual(x, &mut r)?;
     // Forces that vanish leave the rounding of those at the guess.
     let least = f64::EPSILON * forces;
-    while norm > (TOLERANCE * forces).max(least) && forces > ROUNDINGS * equations.rounding(x) {
+    while norm > (TOLERANCE * forces).max(least) {
         done.iterations += equations.correct(&r, x)?;
         done.count += 1;
         let before = norm;

@@ -26,6 +26,9 @@ const BOUNDARY_ACCURACY: f64 = 1e-9;
 /// The accuracy, relative to the node spacing, below which rounding ends the solve.
 const ROUND_OFF: f64 = 1e-9;
 
+/// The relative residual of the first guess. The forces at a boundary of thin stiff cells are many digits larger than those that move soft cells.
+const GUESS_TOLERANCE: f64 = 1e-10;
+
 /// A boundary that moves by less, in units of the rounding of a position, is at rest.
 const AT_REST: f64 = 8.0;
 
@@ -151,6 +154,15 @@ impl<'a, const D: usize> MeshEquilibrium<'a, D> {
     }
 }
 
+impl<const D: usize> MeshEquilibrium<'_, D> {
+    fn solve(&mut self, r: &[f64], w: &mut [f64], tolerance: f64) {
+        self.work.solves += 1;
+        if let Ok(reports) = self.slab.solve(r, w, tolerance) {
+            self.work.iterations += reports.iter().map(|report| report.iterations).sum::<usize>();
+        }
+    }
+}
+
 impl<const D: usize> ElasticEquations for MeshEquilibrium<'_, D> {
     const FIELD: &'static str = "mesh";
 
@@ -163,14 +175,11 @@ impl<const D: usize> ElasticEquations for MeshEquilibrium<'_, D> {
     }
     /// w := K^{-1} r
     fn precondition(&mut self, r: &[f64], w: &mut [f64]) {
-        self.work.solves += 1;
-        if let Ok(reports) = self.slab.solve(r, w, self.tolerance) {
-            self.work.iterations += reports.iter().map(|report| report.iterations).sum::<usize>();
-        }
+        self.solve(r, w, self.tolerance);
     }
     /// Satisfies the boundary conditions; all directions that follow vanish at the boundary.
     fn guess(&mut self, r: &[f64], w: &mut [f64]) {
-        self.precondition(r, w);
+        self.solve(r, w, self.tolerance.min(GUESS_TOLERANCE));
     }
     fn inner_product(&self) -> &dyn InnerProduct {
         &self.weights

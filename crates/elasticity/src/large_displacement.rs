@@ -3,7 +3,7 @@
 //! Products are exact. They are preconditioned by the systems of K at one displacement: that at the bottom of a slab, or that of the
 //! Newton step where there is no inertia.
 
-use crate::corrections::rounding;
+use crate::corrections::{ROUNDINGS, rounding};
 use crate::modal::ModalSolver;
 use crate::nonlinear::{self, ElasticEquations};
 use crate::shifted::Shifted;
@@ -45,6 +45,8 @@ pub(crate) fn solve(
         round_off: TOLERANCE,
         max_steps: 100,
         forcing: forcing::Settings { minimum: 1e-4, ..Default::default() },
+        // A step that bends a thin body stretches it at first, and may raise the residual by the square of its slenderness.
+        divergence: f64::INFINITY,
         ..Default::default()
     };
     let (mut work, mut forces) = (Work::default(), forces_at(x)?);
@@ -53,7 +55,7 @@ pub(crate) fn solve(
             Ok(report) => report,
             // No step lowers a residual of rounding.
             Err(Error::LineSearch { report, .. } | Error::Krylov { report, .. })
-                if report.final_norm() <= ROUNDING_LEFT * forces_at(x)? =>
+                if report.final_norm() <= (ROUNDING_LEFT * forces_at(x)?).max(rounding_of(equations, x)) =>
             {
                 *report
             }
@@ -66,6 +68,11 @@ pub(crate) fn solve(
             return Ok(work);
         }
     }
+}
+
+/// A residual below this is rounding at `x`.
+fn rounding_of(equations: &impl ElasticEquations, x: &[f64]) -> f64 {
+    equations.round_off(x).map_or(0.0, |rounding| ROUNDINGS * rounding)
 }
 
 /// (dynamics) as R(V) = 0; fixed entries stay as they are.

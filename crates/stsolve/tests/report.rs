@@ -263,7 +263,8 @@ fn keys_of_several_cases_are_those_of_each() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
     for (name, probe) in [("one", "{p={at=[1,1]}}"), ("two", "{p={at=[2,2]}}"), ("none", "{}")] {
-        let set = [&SMALL[..], &[&format!("output.probes={probe}")]].concat();
+        let probes = format!("output.probes={probe}");
+        let set = [&SMALL[..], &[&probes]].concat();
         on_case(at, "run", "vortex", &set, name, &[]).expect(0, &[]);
     }
     stsolve(at, &["report", "one", "two", "none"]).expect(0, &[]);

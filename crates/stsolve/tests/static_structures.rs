@@ -50,6 +50,55 @@ fn constants_may_be_formulas_of_position() {
     assert_same_bits(&directory.path().join("through"), &directory.path().join("resumed"), "statics");
 }
 
+/// Thin beams under an end load. The first one was carried along by its support before, and then did not bend: its forces were taken for the
+/// rounding of stiffness times displacement. The second one was "diverged" after a good step.
+#[test]
+fn beams_bend_where_they_have_been_carried_to() {
+    let directory = TempDir::new().unwrap();
+    let beam = |changes: &str| {
+        format!(
+            r#"
+            mesh = {{ order = 5, generate.box = {{ lower = [0, 0], upper = [1, 0.05], cells = [20, 2] }} }}
+            time = {{ order = 1, end = 3, slabs = 3 }}
+            [structure]
+            analysis = "static"
+            young_modulus = 2e11
+            poisson_ratio = 0.3
+            body_force = [0, "-760*max(0,t-1)"]
+            points = {{ tip = [1, 0.025] }}
+            {changes}
+            "#
+        )
+    };
+    let tip = |changes: &str, output: &str| {
+        on_text(directory.path(), &beam(changes), &[], output, &[]).expect(0, &[]);
+        let run = directory.path().join(output);
+        [column(&run, "tip_y")[2], column(&run, "left_reaction_y")[2]]
+    };
+    let [rests, _] = tip(r#"boundary = { left = "fixed", others = "free" }"#, "rests");
+    for law in ["linear", "neo_hookean"] {
+        let boundary = r#"boundary = { left = { displacement = ["min(t,1)", 0] }, others = "free" }"#;
+        let [carried, reaction] = tip(&format!("{boundary}\nlaw = \"{law}\""), law);
+        assert!((carried / rests - 1.0).abs() < 1e-3, "{law}: {carried} against {rests}");
+        assert!((reaction / 76.0 - 1.0).abs() < 1e-4, "{law}: {reaction}");
+    }
+    let slender = r#"
+        mesh = { order = 5, generate.box = { lower = [0, 0], upper = [1, 2e-4], cells = [60, 1] } }
+        time = { order = 1, end = 1, slabs = 2 }
+        [structure]
+        analysis = "static"
+        law = "st_venant_kirchhoff"
+        young_modulus = 2e11
+        poisson_ratio = 0
+        boundary = { left = "fixed", right = { traction = [0, "2e11*2e-4^2/4*0.02*t"] }, others = "free" }
+        points = { tip = [1, 1e-4] }
+    "#;
+    on_text(directory.path(), slender, &[], "slender", &[]).expect(0, &[]);
+    // P L^3 / (3 E I) for P = 3 E I 0.02; the large displacement shortens it by its square.
+    let tip = column(&directory.path().join("slender"), "tip_y")[1];
+    assert!((tip / 0.02 - 1.0).abs() < 1e-3, "{tip}");
+}
+
 #[test]
 fn what_a_static_analysis_does_not_take_is_refused() {
     let directory = TempDir::new().unwrap();
