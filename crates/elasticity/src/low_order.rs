@@ -8,7 +8,7 @@
 use crate::ElasticityError;
 use crate::geometry::{Sample, determinant_and_inverse};
 use crate::material::Lame;
-use crate::multigrid::{self, BlockRows, Colouring, Cycle};
+use crate::multigrid::{self, BlockRows, Colouring, Couplings, Cycle};
 use crate::pool::Pool;
 use mesh::NodeNumbering;
 use sparse::{BlockMatrix, Factorisation, Kind};
@@ -48,11 +48,11 @@ impl<const D: usize> LowOrderInverse<D> {
         multigrid: Option<&[[f64; D]]>,
     ) -> Result<Self, ElasticityError> {
         let free: Vec<usize> = (0..numbering.count).filter(|&node| fixed[node] != [true; D]).collect();
-        let neighbours = couplings::<D>(numbering, &unknowns_of(&free, numbering.count));
+        let unknowns = unknowns_of(&free, numbering.count);
         let mass = inertia.m * inertia.density;
         let (free, inverse) = match multigrid {
             None => {
-                let mut matrix = BlockMatrix::new(Kind::Cholesky, D, neighbours);
+                let mut matrix = BlockMatrix::new(Kind::Cholesky, D, later_neighbours::<D>(numbering, &unknowns));
                 let terms = Terms { lame, mass, free: &free, fixed };
                 terms.assemble(inertia, numbering, samples, |row, column, block| {
                     matrix.add(row, column, |i, j| block[i][j]);
@@ -60,10 +60,10 @@ impl<const D: usize> LowOrderInverse<D> {
                 (free, Inverse::Factor(Box::new(matrix.factor(Arc::new(matrix.elimination_tree()?))?)))
             }
             Some(coordinates) => {
-                let neighbours = both_halves(neighbours);
-                let colouring = Colouring::new(&neighbours, multigrid::nodes_per_chunk(D));
+                let couplings = couplings::<D>(numbering, &unknowns);
+                let colouring = Colouring::new(&couplings, multigrid::nodes_per_chunk(D));
                 let free: Vec<usize> = colouring.order.iter().map(|&unknown| free[unknown]).collect();
-                let mut matrix = BlockRows::zero(neighbours, &colouring);
+                let mut matrix = BlockRows::zero(couplings, &colouring);
                 let terms = Terms { lame, mass, free: &free, fixed };
                 terms.assemble(inertia, numbering, samples, |row, column, block| matrix.add(row, column, block))?;
                 let at_free: Vec<_> = free.iter().map(|&node| coordinates[node]).collect();
@@ -132,7 +132,7 @@ fn unknowns_of(free: &[usize], count: usize) -> Vec<Option<usize>> {
 }
 
 /// For every unknown, the unknowns of larger number that share a sub-cell with it.
-fn couplings<const D: usize>(numbering: &NodeNumbering, unknowns: &[Option<usize>]) -> Vec<Vec<usize>> {
+fn later_neighbours<const D: usize>(numbering: &NodeNumbering, unknowns: &[Option<usize>]) -> Vec<Vec<usize>> {
     let sub_cells = SubCells::<D>::new(numbering.order());
     let mut neighbours = vec![Vec::new(); unknowns.iter().flatten().count()];
     for cell in 0..numbering.n_cells() {
@@ -146,16 +146,43 @@ fn of_cell(numbering: &NodeNumbering, cell: usize, unknowns: &[Option<usize>]) -
     numbering.cell(cell).iter().map(|&node| unknowns[node]).collect()
 }
 
-/// All coupled unknowns of every unknown and the unknown itself, of those with larger number.
-fn both_halves(larger: Vec<Vec<usize>>) -> Vec<Vec<u32>> {
-    let mut neighbours: Vec<Vec<u32>> = (0..larger.len()).map(|unknown| vec![unknown as u32]).collect();
-    for (unknown, others) in larger.into_iter().enumerate() {
-        for other in others {
-            neighbours[unknown].push(other as u32);
-            neighbours[other].push(unknown as u32);
+/// The unknowns that share a sub-cell, in flat lists: many small ones would leave holes in the memory.
+fn couplings<const D: usize>(numbering: &NodeNumbering, unknowns: &[Option<usize>]) -> Couplings {
+    let sub_cells = SubCells::<D>::new(numbering.order());
+    let (starts, places) = places_of_unknowns(numbering, unknowns);
+    let (mut couplings, mut coupled) = (Couplings::new(), Vec::new());
+    for unknown in starts.windows(2) {
+        coupled.clear();
+        for &[cell, node] in &places[unknown[0]..unknown[1]] {
+            let nodes = numbering.cell(cell as usize);
+            let near = sub_cells.around(node as usize).filter_map(|other| unknowns[nodes[other]]);
+            coupled.extend(near.map(|other| other as u32));
         }
+        coupled.sort_unstable();
+        coupled.dedup();
+        couplings.push(&coupled);
     }
-    neighbours
+    couplings
+}
+
+/// The cells of every unknown and its nodes in them, one unknown after the other, and the first of each.
+fn places_of_unknowns(numbering: &NodeNumbering, unknowns: &[Option<usize>]) -> (Vec<usize>, Vec<[u32; 2]>) {
+    let mut starts = vec![0; unknowns.iter().flatten().count() + 1];
+    let visit = |see: &mut dyn FnMut(usize, [u32; 2])| {
+        for cell in 0..numbering.n_cells() {
+            for (node, number) in numbering.cell(cell).iter().enumerate() {
+                unknowns[*number].into_iter().for_each(|unknown| see(unknown, [cell as u32, node as u32]));
+            }
+        }
+    };
+    visit(&mut |unknown, _| starts[unknown + 1] += 1);
+    (1..starts.len()).for_each(|unknown| starts[unknown] += starts[unknown - 1]);
+    let (mut next, mut places) = (starts.clone(), vec![[0; 2]; starts[starts.len() - 1]]);
+    visit(&mut |unknown, place| {
+        places[next[unknown]] = place;
+        next[unknown] += 1;
+    });
+    (starts, places)
 }
 
 /// The input of a low-order matrix.
@@ -232,6 +259,8 @@ impl<const D: usize> Terms<'_, D> {
 
 /// The lattice of sub-cells in a cell: corner k of a sub-cell has bit a for the side along axis a.
 struct SubCells<const D: usize> {
+    /// Nodes per direction.
+    order: usize,
     /// The lattice index of corner 0 of each sub-cell.
     first: Vec<usize>,
     /// The offsets from corner 0 to corner k.
@@ -255,7 +284,17 @@ impl<const D: usize> SubCells<D> {
         let stride = |axis: usize| order.pow(axis as u32);
         let is_first = |&k: &usize| (0..D).all(|axis| k / stride(axis) % order < order - 1);
         let offset = |corner: usize| (0..D).map(|axis| (corner >> axis & 1) * stride(axis)).sum();
-        SubCells { first: (0..stride(D)).filter(is_first).collect(), offsets: (0..1 << D).map(offset).collect() }
+        SubCells { order, first: (0..stride(D)).filter(is_first).collect(), offsets: (0..1 << D).map(offset).collect() }
+    }
+
+    /// The nodes of a cell that share a sub-cell with one of them, itself included.
+    fn around(&self, node: usize) -> impl Iterator<Item = usize> {
+        let order = self.order;
+        let step = move |axis: usize, which: usize| {
+            let place = node / order.pow(axis as u32) % order + which / 3_usize.pow(axis as u32) % 3;
+            (1..=order).contains(&place).then(|| (place - 1) * order.pow(axis as u32))
+        };
+        (0..3_usize.pow(D as u32)).filter_map(move |which| (0..D).map(|axis| step(axis, which)).sum())
     }
 
     /// Adds to the neighbours of each unknown those that share a sub-cell with it.
@@ -348,8 +387,8 @@ mod tests {
         let numbering = NodeNumbering::new(mesh, order);
         let sampler = StiffnessSampler::new(mesh, Stiffness::Constant, gauss_lobatto(order));
         let (free, fixed): (Vec<_>, _) = ((0..numbering.count).collect(), vec![[false; D]; numbering.count]);
-        let couplings = couplings::<D>(&numbering, &unknowns_of(&free, numbering.count));
-        let mut matrix = BlockMatrix::new(Kind::Cholesky, D, couplings);
+        let neighbours = later_neighbours::<D>(&numbering, &unknowns_of(&free, numbering.count));
+        let mut matrix = BlockMatrix::new(Kind::Cholesky, D, neighbours);
         let terms = Terms { lame: material().lame(), mass: 0.0, free: &free, fixed: &fixed };
         let add = |row, column, block: &[[f64; D]; D]| matrix.add(row, column, |i, j| block[i][j]);
         terms.assemble(Inertia::none(), &numbering, |cell| sampler.cell(cell), add).unwrap();
@@ -395,5 +434,21 @@ mod tests {
             matches!(&error, ElasticityError::SubCell { cell: 7, position, .. } if position == &[0.25, 0.25]),
             "{error}"
         );
+    }
+
+    /// Both ways to find the couplings agree.
+    #[test]
+    fn couplings_are_those_of_sub_cells() {
+        let mesh = unit_box([3, 1, 2], 4, 0.02);
+        let numbering = NodeNumbering::new(&mesh, 4);
+        let free: Vec<usize> = (0..numbering.count).filter(|node| node % 5 != 0).collect();
+        let unknowns = unknowns_of(&free, numbering.count);
+        let (later, all) = (later_neighbours::<3>(&numbering, &unknowns), couplings::<3>(&numbering, &unknowns));
+        let pairs = later.iter().enumerate().flat_map(|(a, others)| others.iter().flat_map(move |&b| [(a, b), (b, a)]));
+        let mut expected: Vec<(usize, usize)> = pairs.chain((0..free.len()).map(|a| (a, a))).collect();
+        expected.sort_unstable();
+        let found: Vec<(usize, usize)> =
+            (0..free.len()).flat_map(|a| all.of(a).iter().map(move |&b| (a, b as usize))).collect();
+        assert!(found == expected);
     }
 }

@@ -130,7 +130,7 @@ impl<'a, const D: usize> Boundaries<'a, D> {
         let Some((x, t, [first, last])) = self.time.check_times().into_iter().find_map(tear) else { return Ok(()) };
         let constants = self.checker.constants_in_words();
         let problem = format!(
-            "the curve begins and ends at {x:?}, but s = 0 moves by {first:.6} and s = 1 by {last:.6} until t = {t}{constants}"
+            "the curve begins and ends at {x:?}, but s = 0 moves by {first:.3e} and s = 1 by {last:.3e} until t = {t}{constants}"
         );
         let accepted = "a formula with the same value at both ends, such as a whole number of waves, sin(2*pi*n*s)";
         Err(self.checker.combination(key, &problem, accepted))

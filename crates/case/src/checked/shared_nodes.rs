@@ -95,7 +95,7 @@ pub(super) fn not_periodic<const D: usize>(
 
 /// A displacement as text, with `free` for components that are not prescribed.
 fn plain<const D: usize>(d: &[Option<f64>; D]) -> String {
-    let components = d.iter().map(|d| d.map_or_else(|| "free".to_owned(), |d| format!("{d:.6}")));
+    let components = d.iter().map(|d| d.map_or_else(|| "free".to_owned(), |d| format!("{d:.3e}")));
     format!("[{}]", components.collect::<Vec<_>>().join(", "))
 }
 

@@ -202,10 +202,10 @@ fn bounded<const D: usize>(
     Ok(())
 }
 
-/// The nodes of the mesh at the start and the end.
+/// The nodes of the mesh at some times of the run.
 fn points_and_times<'a, const D: usize>(
     (mesh, time): (&'a Mesh<D>, &'a Time),
 ) -> impl Iterator<Item = ([f64; D], f64)> + 'a {
     let nodes = mesh.coordinates().chunks_exact(D).map(|x| std::array::from_fn(|axis| x[axis]));
-    nodes.flat_map(|x| [(x, time.start), (x, time.end)])
+    nodes.flat_map(|x| time.check_times().map(|t| (x, t)))
 }

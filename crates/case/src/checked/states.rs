@@ -6,7 +6,7 @@ use crate::key::Key;
 use crate::raw;
 use crate::state::{Formulas, State};
 use navier_stokes::exact::{Couette, FreeStream, Vortex, Waves};
-use navier_stokes::{Gas, Primitive};
+use navier_stokes::{Gas, Primitive, Viscosity};
 
 /// A state with its typical values: those of the free stream, or the mean. Formulas have none.
 pub(super) struct Typical<const D: usize> {
@@ -58,6 +58,9 @@ fn vortex<const D: usize>(
     for (axis, length) in raw.period.into_iter().flatten().enumerate() {
         checker.positive(&key.child("period").entry(axis), "the period", length)?;
     }
+    let is_swirl = strength == 0.0 || stream.velocity.iter().any(|w| *w != 0.0);
+    let accepted = "a `free_stream` that moves: the swirl is this part of its speed";
+    checker.require(&key.child("strength"), "the strength of a vortex in gas at rest", is_swirl, accepted)?;
     let vortex = Vortex::new(gas, stream, centre, radius, strength, raw.period);
     Ok(Typical { state: State::Vortex(checker.physics(&key.child("strength"), vortex)?), stream: Some(stream) })
 }
@@ -71,6 +74,10 @@ fn couette<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::Couette,
         ("pressure", raw.pressure),
     ] {
         checker.positive(&key.child(name), "the number", value)?;
+    }
+    if let Viscosity::Sutherland { .. } = gas.viscosity() {
+        let problem = "the exact flow between two plates is that of a constant viscosity";
+        return Err(checker.combination(key, problem, "`flow.gas.viscosity.constant` in place of `sutherland`"));
     }
     let temperatures = [raw.lower_temperature, raw.upper_temperature];
     let couette = Couette::new(gas, raw.height, raw.speed, temperatures, raw.pressure, frame);

@@ -169,19 +169,17 @@ pub(super) fn step<T: Transcendental>(instruction: &Instruction, a: &[T], x: &[T
         Instruction::Multiply => a[0] * a[1],
         Instruction::Divide => a[0] / a[1],
         Instruction::Power => (a[1] * a[0].ln()).exp(),
-        Instruction::Min => a[0].min(a[1]),
-        Instruction::Max => a[0].max(a[1]),
-        Instruction::Compare(comparison) => {
-            T::from(f64::from(u8::from(compare(*comparison, a[0].value(), a[1].value()))))
-        }
-        Instruction::Select => {
-            if a[0].value() != 0.0 {
-                a[1]
-            } else {
-                a[2]
-            }
-        }
+        Instruction::Min => without_value(a).unwrap_or_else(|| a[0].min(a[1])),
+        Instruction::Max => without_value(a).unwrap_or_else(|| a[0].max(a[1])),
+        Instruction::Compare(comparison) => without_value(a)
+            .unwrap_or_else(|| T::from(f64::from(u8::from(compare(*comparison, a[0].value(), a[1].value()))))),
+        Instruction::Select => without_value(&a[..1]).unwrap_or(if a[0].value() != 0.0 { a[1] } else { a[2] }),
     }
+}
+
+/// The argument that is not a number, if there is one: a choice or a comparison must not hide that a table has ended.
+fn without_value<T: Transcendental>(arguments: &[T]) -> Option<T> {
+    arguments.iter().copied().find(|argument| argument.value().is_nan())
 }
 
 fn apply<T: Transcendental>(function: Function, a: T) -> T {

@@ -139,6 +139,15 @@ fn errors_say_where_and_what() {
     assert!(matches!(problem("1 - cos"), (4, 3, Problem::Misused { is: "function", .. })));
 }
 
+/// A choice or a comparison hid that a table had ended, or that a root had no value.
+#[test]
+fn what_has_no_value_is_not_hidden() {
+    for text in ["max(sqrt(x), 1)", "max(1, sqrt(x))", "min(sqrt(x), 1)", "sqrt(x) > 1", "if(sqrt(x) > 1, 1, 2)"] {
+        assert!(value(text, [-1.0, 0.0, 0.0], 0.0).is_nan(), "{text}");
+    }
+    assert_eq!(value("if(x > 0, sqrt(x), 2)", [-1.0, 0.0, 0.0], 0.0), 2.0);
+}
+
 #[test]
 fn unknown_names_come_with_the_nearest_known_one() {
     let nearest = |text| match problem(text).2 {

@@ -13,6 +13,40 @@ pub(crate) fn nodes_per_chunk(dimension: usize) -> usize {
     if dimension == 2 { usize::MAX } else { CHUNK }
 }
 
+/// The nodes coupled with every node, itself included: a symmetric relation.
+pub(crate) struct Couplings {
+    starts: Vec<usize>,
+    nodes: Vec<u32>,
+}
+
+impl Couplings {
+    /// Of no node.
+    pub(crate) fn new() -> Self {
+        Couplings { starts: vec![0], nodes: Vec::new() }
+    }
+
+    /// Appends a node with those coupled with it.
+    pub(crate) fn push(&mut self, coupled: &[u32]) {
+        self.nodes.extend_from_slice(coupled);
+        self.starts.push(self.nodes.len());
+    }
+
+    /// The number of nodes.
+    pub(super) fn count(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// The number of all couplings.
+    pub(super) fn total(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// The nodes coupled with a node.
+    pub(crate) fn of(&self, node: usize) -> &[u32] {
+        &self.nodes[self.starts[node]..self.starts[node + 1]]
+    }
+}
+
 /// The nodes of a level in the order of their colours.
 pub(crate) struct Colouring {
     /// The node before reordering of every node.
@@ -24,14 +58,14 @@ pub(crate) struct Colouring {
 }
 
 impl Colouring {
-    /// For the nodes coupled with every node, a symmetric relation, and chunks of so many nodes.
-    pub(crate) fn new(neighbours: &[Vec<u32>], chunk: usize) -> Self {
-        let colour_of = colours_of_chunks(neighbours, chunk);
-        let (mut order, mut colours) = (Vec::with_capacity(neighbours.len()), Vec::new());
+    /// For these couplings, and chunks of so many nodes.
+    pub(crate) fn new(couplings: &Couplings, chunk: usize) -> Self {
+        let colour_of = colours_of_chunks(couplings, chunk);
+        let (mut order, mut colours) = (Vec::with_capacity(couplings.count()), Vec::new());
         for colour in 0..colour_of.iter().max().map_or(0, |last| last + 1) {
             let begin = order.len();
             let chunks = (0..colour_of.len()).filter(|&number| colour_of[number] == colour);
-            chunks.for_each(|number| order.extend(nodes_of(number, chunk, neighbours.len())));
+            chunks.for_each(|number| order.extend(nodes_of(number, chunk, couplings.count())));
             colours.push(begin..order.len());
         }
         Colouring { order, colours, chunk }
@@ -50,10 +84,10 @@ fn nodes_of(number: usize, chunk: usize, nodes: usize) -> Range<usize> {
 }
 
 /// The first colour that no earlier chunk with a coupled node has, for one chunk after the other.
-fn colours_of_chunks(neighbours: &[Vec<u32>], chunk: usize) -> Vec<usize> {
+fn colours_of_chunks(couplings: &Couplings, chunk: usize) -> Vec<usize> {
     let mut colours: Vec<usize> = Vec::new();
-    for number in 0..neighbours.len().div_ceil(chunk) {
-        let coupled = nodes_of(number, chunk, neighbours.len()).flat_map(|node| &neighbours[node]);
+    for number in 0..couplings.count().div_ceil(chunk) {
+        let coupled = nodes_of(number, chunk, couplings.count()).flat_map(|node| couplings.of(node));
         let mut taken: Vec<bool> = Vec::new();
         for &colour in coupled.filter_map(|&other| colours.get(other as usize / chunk)) {
             taken.resize(taken.len().max(colour + 1), false);
@@ -69,10 +103,12 @@ mod tests {
     use super::*;
 
     /// The nodes of a square lattice, coupled with their eight neighbours.
-    fn lattice(side: usize) -> Vec<Vec<u32>> {
+    fn lattice(side: usize) -> Couplings {
         let near = |i: usize| i.saturating_sub(1)..(i + 2).min(side);
         let around = |k: usize| near(k / side).flat_map(move |i| near(k % side).map(move |j| (i * side + j) as u32));
-        (0..side * side).map(|k| around(k).collect()).collect()
+        let mut couplings = Couplings::new();
+        (0..side * side).for_each(|k| couplings.push(&around(k).collect::<Vec<u32>>()));
+        couplings
     }
 
     #[test]
@@ -84,7 +120,7 @@ mod tests {
         for colour in &colouring.colours {
             let chunk = |place: usize| (place - colour.start) / CHUNK;
             for place in colour.clone() {
-                let coupled = neighbours[colouring.order[place]].iter().map(|&other| places[other as usize]);
+                let coupled = neighbours.of(colouring.order[place]).iter().map(|&other| places[other as usize]);
                 let same_colour = coupled.filter(|other| colour.contains(other));
                 same_colour.for_each(|other| assert_eq!(chunk(other), chunk(place)));
             }

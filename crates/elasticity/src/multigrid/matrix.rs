@@ -1,46 +1,43 @@
 //! The symmetric matrix of a level, and sweeps of block Gauss-Seidel with it.
 
 use super::blocks::{Block, add_block_vector};
-use super::colouring::Colouring;
+use super::colouring::{Colouring, Couplings};
 use rayon::prelude::*;
 use std::ops::Range;
 use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
 
-/// The products of this many numbers are added side by side.
+/// A column of a block is read with this many numbers, at least R: those beyond it belong to the next columns, and their sums are dropped.
 const LANES: usize = 8;
 
 /// The rows of a product that a thread takes at a time.
 const ROWS: usize = 64;
 
-/// The vector is gathered for this many blocks at a time. Their numbers fill whole lanes for any R.
-const GATHERED: usize = 16;
-
 /// A matrix of R x R blocks with both triangles, in the order of a [`Colouring`].
 ///
-/// The entries of scalar row i of a block row follow one another: `[block row][i][block][j]`. So a product reads R long rows.
+/// Blocks are stored by columns: a product adds columns times numbers, without sums across lanes.
 pub(crate) struct BlockRows<const R: usize> {
     /// The first block of each block row.
     starts: Vec<usize>,
     /// The columns of the blocks, increasing in every row.
     columns: Vec<u32>,
-    /// With [`LANES`] zeros at the end, because rows are read in whole lanes.
+    /// `[block][column][row]`, with [`LANES`] zeros at the end.
     entries: Vec<f64>,
     colours: Vec<Range<usize>>,
     chunk: usize,
 }
 
 impl<const R: usize> BlockRows<R> {
-    /// The zero matrix for the coupled nodes of every node, itself included, as they were before reordering.
-    pub(crate) fn zero(neighbours: Vec<Vec<u32>>, colouring: &Colouring) -> Self {
+    /// The zero matrix for the couplings of nodes as they were before reordering.
+    pub(crate) fn zero(couplings: Couplings, colouring: &Colouring) -> Self {
         let places = colouring.places();
-        let (mut starts, mut columns) = (vec![0], Vec::with_capacity(neighbours.iter().map(Vec::len).sum()));
+        let (mut starts, mut columns) = (vec![0], Vec::with_capacity(couplings.total()));
         for &node in &colouring.order {
-            columns.extend(neighbours[node].iter().map(|&other| places[other as usize] as u32));
+            columns.extend(couplings.of(node).iter().map(|&other| places[other as usize] as u32));
             columns[starts[starts.len() - 1]..].sort_unstable();
             starts.push(columns.len());
         }
-        drop(neighbours);
+        drop(couplings);
         let entries = vec![0.0; columns.len() * R * R + LANES];
         BlockRows { starts, columns, entries, colours: colouring.colours.clone(), chunk: colouring.chunk }
     }
@@ -73,16 +70,15 @@ impl<const R: usize> BlockRows<R> {
 
     fn block(&self, row: usize, place: usize) -> Block<R, R> {
         let mut block = [[0.0; R]; R];
-        for (i, entries) in block.iter_mut().enumerate() {
-            entries.copy_from_slice(&self.entries[self.entry(row, place, i)..][..R]);
+        for (j, column) in self.entries[self.entry(row, place)..][..R * R].chunks_exact(R).enumerate() {
+            (0..R).for_each(|i| block[i][j] = column[i]);
         }
         block
     }
 
-    /// The index of entry (i, 0) of a block.
-    fn entry(&self, row: usize, place: usize, i: usize) -> usize {
-        let (start, end) = (self.starts[row], self.starts[row + 1]);
-        start * R * R + (i * (end - start) + place) * R
+    /// The index of the first entry of a block.
+    fn entry(&self, row: usize, place: usize) -> usize {
+        (self.starts[row] + place) * R * R
     }
 
     /// The place of the diagonal in a row.
@@ -102,23 +98,18 @@ impl<const R: usize> BlockRows<R> {
 
     /// Adds to the block of two coupled nodes.
     pub(crate) fn add(&mut self, row: usize, column: usize, block: &Block<R, R>) {
-        let place = self.place(row, column);
-        for (i, entries) in block.iter().enumerate() {
-            let at = self.entry(row, place, i);
-            self.entries[at..][..R].iter_mut().zip(entries).for_each(|(sum, entry)| *sum += entry);
+        let at = self.entry(row, self.place(row, column));
+        for (j, column) in self.entries[at..at + R * R].chunks_exact_mut(R).enumerate() {
+            (0..R).for_each(|i| column[i] += block[i][j]);
         }
     }
 
     /// Sets ones on the diagonal of rows that are zero: the modes that vanish on an aggregate.
     pub(crate) fn make_regular(&mut self) {
         for row in 0..self.rows() {
-            let place = self.place(row, row);
-            for i in 0..R {
-                let at = self.entry(row, place, i) + i;
-                if self.entries[at] == 0.0 {
-                    self.entries[at] = 1.0;
-                }
-            }
+            let at = self.entry(row, self.place(row, row));
+            let diagonal = self.entries[at..at + R * R].iter_mut().step_by(R + 1);
+            diagonal.filter(|entry| **entry == 0.0).for_each(|entry| *entry = 1.0);
         }
     }
 
@@ -163,34 +154,24 @@ impl<const R: usize> BlockRows<R> {
     /// The sum of A_ik x_k over some blocks of row i.
     #[inline(always)]
     fn product(&self, row: usize, blocks: Range<usize>, x: &Values<R>) -> [f64; R] {
-        let columns = self.columns(row);
-        let (begin, stride) = (self.starts[row] * R * R, columns.len() * R);
-        // Entries beyond the last block are multiplied by zero.
-        let entries = &self.entries[begin..begin + R * stride + LANES];
+        let columns = &self.columns(row)[blocks.start..blocks.end];
+        let begin = (self.starts[row] + blocks.start) * R * R;
+        let entries = &self.entries[begin..begin + columns.len() * R * R + LANES];
+        // One sum for every column of the blocks: they do not wait for each other.
         let mut sums = [[0.0; LANES]; R];
-        let mut first = blocks.start;
-        while first < blocks.end {
-            let count = if blocks.end - first < GATHERED { blocks.end - first } else { GATHERED };
-            let mut gathered = [[0.0; R]; GATHERED];
-            for (x_k, &column) in gathered.iter_mut().zip(&columns[first..first + count]) {
-                *x_k = *x.at(column as usize);
-            }
-            let gathered = gathered.as_flattened();
-            for lane in 0..(count * R).div_ceil(LANES) {
-                let (x, at) = (&gathered[lane * LANES..][..LANES], first * R + lane * LANES);
-                for i in 0..R {
-                    let entries = &entries[i * stride + at..][..LANES];
-                    for k in 0..LANES {
-                        sums[i][k] += entries[k] * x[k];
-                    }
+        for k in 0..columns.len() {
+            let (x, block) = (x.at(columns[k] as usize), &entries[k * R * R..][..R * R - R + LANES]);
+            for j in 0..R {
+                let column = &block[j * R..][..LANES];
+                for i in 0..LANES {
+                    sums[j][i] += column[i] * x[j];
                 }
             }
-            first += GATHERED;
         }
         let mut product = [0.0; R];
-        for i in 0..R {
-            for k in 0..LANES {
-                product[i] += sums[i][k];
+        for j in 0..R {
+            for i in 0..R {
+                product[i] += sums[j][i];
             }
         }
         product
@@ -336,9 +317,11 @@ mod tests {
                 neighbours[other].push(node as u32);
             }
         }
-        *colouring = Colouring::new(&neighbours, 40);
+        let mut couplings = Couplings::new();
+        neighbours.iter().for_each(|neighbours| couplings.push(neighbours));
+        *colouring = Colouring::new(&couplings, 40);
         let places = colouring.places();
-        let mut matrix = BlockRows::zero(neighbours, colouring);
+        let mut matrix = BlockRows::zero(couplings, colouring);
         for node in 0..NODES {
             let own = [[20.0, 1.0, 2.0], [1.0, 25.0, 0.5], [2.0, 0.5, 30.0]];
             matrix.add(places[node], places[node], &own);
@@ -366,7 +349,7 @@ mod tests {
 
     #[test]
     fn sweeps_solve_their_triangles_with_the_same_bits_on_any_number_of_threads() {
-        let mut colouring = Colouring::new(&[], 1);
+        let mut colouring = Colouring::new(&Couplings::new(), 1);
         let matrix = matrix(&mut colouring);
         assert!(colouring.colours.len() > 2);
         let inverses: Vec<_> = (0..NODES).map(|row| inverse(&matrix.diagonal(row))).collect();

@@ -1,7 +1,7 @@
 //! The functions of the next level, and the matrix of that level.
 
 use super::blocks::{Block, add_block_product, transposed};
-use super::colouring::Colouring;
+use super::colouring::{Colouring, Couplings};
 use super::matrix::BlockRows;
 use rayon::prelude::*;
 
@@ -73,12 +73,12 @@ impl<const R: usize, const B: usize> Prolongation<R, B> {
     /// A_c = P^T A P for all rows and `count` nodes of the next level. It reorders these; the new order is the second result.
     pub(crate) fn finish(&mut self, matrix: &BlockRows<R>, count: usize) -> (BlockRows<B>, Vec<usize>) {
         self.transpose = Transpose::new(&self.starts, &self.columns, count);
-        let neighbours = self.couplings(matrix, count);
-        let colouring = Colouring::new(&neighbours, matrix.chunk());
+        let couplings = self.couplings(matrix, count);
+        let colouring = Colouring::new(&couplings, matrix.chunk());
         let places = colouring.places();
         self.columns.iter_mut().for_each(|column| *column = places[*column as usize] as u32);
         self.transpose = Transpose::new(&self.starts, &self.columns, count);
-        let mut coarse = BlockRows::zero(neighbours, &colouring);
+        let mut coarse = BlockRows::zero(couplings, &colouring);
         self.galerkin(matrix, &mut coarse);
         coarse.make_regular();
         (coarse, colouring.order)
@@ -93,7 +93,7 @@ impl<const R: usize, const B: usize> Prolongation<R, B> {
     }
 
     /// The coupled nodes of each of `count` nodes of the next level: those of the functions that meet in an entry of `matrix`.
-    fn couplings(&self, matrix: &BlockRows<R>, count: usize) -> Vec<Vec<u32>> {
+    fn couplings(&self, matrix: &BlockRows<R>, count: usize) -> Couplings {
         let find = |[fine, coarse]: &mut [Found; 2], function: usize| {
             fine.clear();
             coarse.clear();
@@ -105,7 +105,10 @@ impl<const R: usize, const B: usize> Prolongation<R, B> {
             coarse.nodes.clone()
         };
         let found = || [Found::new(matrix.rows()), Found::new(count)];
-        (0..count).into_par_iter().with_min_len(ROWS).map_init(found, find).collect()
+        let lists: Vec<Vec<u32>> = (0..count).into_par_iter().with_min_len(ROWS).map_init(found, find).collect();
+        let mut couplings = Couplings::new();
+        lists.iter().for_each(|list| couplings.push(list));
+        couplings
     }
 
     /// A_c = (P^T A) P, row by row.

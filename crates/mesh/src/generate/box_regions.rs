@@ -27,7 +27,7 @@ pub struct BoxRegion<const D: usize> {
     pub upper: [f64; D],
 }
 
-/// A face of a region lies between cells if it is off by less than this part of the extent of the box.
+/// A face of a region lies between cells, and segments end with the box, if they are off by less than this part of the extent of the box.
 const TOLERANCE: f64 = 1e-9;
 
 impl<const D: usize> BoxMesh<D> {
@@ -53,10 +53,10 @@ impl<const D: usize> BoxMesh<D> {
 
     /// The ends of segments must grow up to the end of the box, and their cells must add up to the cells of the box.
     fn check_segments(&self, axis: usize, segments: &[Segment]) -> Result<(), MeshError> {
-        let mut start = self.lower[axis];
+        let (mut start, round_off) = (self.lower[axis], TOLERANCE * (self.upper[axis] - self.lower[axis]));
         let wrong = |segment, problem| Err(MeshError::Segments { axis, segment, problem });
         for (index, Segment { end, cells, ratio }) in segments.iter().enumerate() {
-            if !(*end > start && *end <= self.upper[axis]) {
+            if !(*end > start && *end <= self.upper[axis] + round_off) {
                 let upper = self.upper[axis];
                 return wrong(
                     index,
@@ -69,7 +69,7 @@ impl<const D: usize> BoxMesh<D> {
             start = *end;
         }
         let cells: usize = segments.iter().map(|segment| segment.cells).sum();
-        if start != self.upper[axis] || cells != self.cells[axis] {
+        if (start - self.upper[axis]).abs() > round_off || cells != self.cells[axis] {
             let (upper, expected) = (self.upper[axis], self.cells[axis]);
             let problem = format!(
                 "ends at {start} after {cells} cells, expected {upper} after {expected} cells, `upper` and `cells`"

@@ -20,6 +20,22 @@ fn bad_input_ends_with_code_2_names_the_place_and_writes_nothing() {
     assert!(is_empty(&directory));
 }
 
+/// Exact states that are not solutions, or not what their name says.
+#[test]
+fn exact_states_that_are_none_are_refused() {
+    let directory = TempDir::new().unwrap();
+    let sutherland = "flow.gas.viscosity={sutherland={viscosity=0.02,temperature=0.8,constant=0.1}}";
+    let still = "flow.exact.vortex.free_stream={density=1,velocity=[0,0],pressure=1}";
+    for (case, set, parts) in [
+        ("couette.toml", sutherland, ["flow.exact.couette", "`flow.gas.viscosity.constant`"]),
+        ("vortex.toml", still, ["flow.exact.vortex.strength", "that moves"]),
+    ] {
+        let (code, _, stderr) = outcome(directory.path(), &["check", &shipped(case), "--set", set]);
+        assert_eq!(code, 2, "{stderr}");
+        parts.iter().for_each(|part| assert!(stderr.contains(part), "{part}: {stderr}"));
+    }
+}
+
 #[test]
 fn an_error_in_the_file_shows_its_line() {
     let directory = TempDir::new().unwrap();
