@@ -26,8 +26,8 @@ use std::sync::Arc;
 /// The threshold of strong couplings on the finest level in two dimensions; it is halved on each coarser level.
 const THETA: f64 = 0.08;
 
-/// The same in three dimensions. On cells of order 8 CG takes 58 iterations with 0.08, and the second level has more entries than the first one; with
-/// 0.045 it takes 63 and has half of that, with 0.03 it takes 77.
+/// The same in three dimensions. On cells of order 8 CG takes 58 iterations with 0.08, but the second level has more entries than the first one.
+/// With 0.045 it takes 63, and the second level half of the entries; with 0.03 it takes 77.
 const THETA_IN_SPACE: f64 = 0.045;
 
 /// The rigid motions in three dimensions. There (filtered) smooths the functions: in the boundary layer of a blade the iterations stay the

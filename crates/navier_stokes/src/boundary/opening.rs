@@ -38,7 +38,7 @@ pub(super) struct Facet<G, const D: usize> {
 impl<P: Real, G: Real> Reservoir<P, G> {
     /// The state on a facet between the gas `inside` and the reservoir.
     ///
-    /// Let k = (gamma - 1) / 2, c_0 the sound speed of the reservoir, and a = d . n <= 0. Let w_n and I = R+ belong to the gas inside, in
+    /// Let k = (gamma - 1) / 2, c_0 the sound speed of the reservoir, and a = d . n < 0. Let w_n and I = R+ belong to the gas inside, in
     /// the frame of the reservoir, and let c_s be the sound speed of that gas at the pressure p_0. Then
     ///
     /// ```text
@@ -46,8 +46,6 @@ impl<P: Real, G: Real> Reservoir<P, G> {
     /// p* = p_0 theta^(gamma / (gamma - 1)),   theta = (1 - k q^2 / c_0^2) (b / c_s)^2                                       (p*)
     /// w*_n = q a + max(I - b / k, 0),   b = max(c_s, I k / (1 + k))                                                        (w*)
     /// ```
-    ///
-    /// Where d points out of the domain, a is 0 and d is its part along the facet: nothing enters there.
     ///
     /// Gas enters if I < c_s / k. R+ is constant only at the entropy of the gas inside, hence c_s and not c_0 in (q). Gas that enters
     /// chokes if q |a| is its sound speed. Gas that leaves chokes if b is its sound speed (a rarefaction that is sonic at the facet).
@@ -68,8 +66,7 @@ impl<P: Real, G: Real> Reservoir<P, G> {
         let c_0_squared = self.total_temperature * (gas.gamma() * gas.gas_constant());
         let c_s = c * inside.pressure.scale(self.total_pressure.recip()).powf(-k / gas.gamma());
         let invariant = w_n + c * (1.0 / k);
-        let outwards = dot(direction, n).max(frame_n.zero());
-        let a = <T as Over<G>>::lift(dot(direction, n) - outwards);
+        let a = <T as Over<G>>::lift(dot(direction, n));
         let q = entering_speed(a, c_s, invariant, k, c_0_squared);
 
         let b = c_s.max(invariant * (k / (1.0 + k)));
@@ -84,7 +81,7 @@ impl<P: Real, G: Real> Reservoir<P, G> {
         let mut velocity = inside.velocity;
         for i in 0..D {
             let leaves = inside.velocity[i] + (normal_velocity_here - w_n).scale(n[i]);
-            let enters = (q.scale(direction[i] - n[i] * outwards) + push.scale(n[i])).plus(reservoir_velocity[i]);
+            let enters = (q.scale(direction[i]) + push.scale(n[i])).plus(reservoir_velocity[i]);
             velocity[i] = relative.select_ge(zero, leaves, enters);
         }
         Primitive { density: pressure * gas.gamma() / c_squared, velocity, pressure }

@@ -36,6 +36,33 @@ fn exact_states_that_are_none_are_refused() {
     }
 }
 
+/// A curved inlet that bends back: gas at rest was sucked out where the direction points out of the domain.
+#[test]
+fn an_inflow_points_into_the_domain_everywhere() {
+    let directory = TempDir::new().unwrap();
+    let case = |angle: f64| {
+        format!(
+            r#"
+            constants = {{ A = {angle} }}
+            mesh = {{ order = 4, generate.box = {{ lower = [0, -1], upper = [1, 1], cells = [3, 8], map = ["-(0.5+0.5*x)*cos(A*y)", "-(0.5+0.5*x)*sin(A*y)"] }} }}
+            time = {{ order = 2, end = 0.1, slabs = 4 }}
+            [flow]
+            order = 3
+            reference = {{ density = 1, speed = 0.1, pressure = 1 }}
+            initial.uniform = {{ density = 1, velocity = [0, 0], pressure = 1 }}
+            boundary.right.inflow = {{ total_pressure = 1, total_temperature = 1, direction = [1, 0] }}
+            boundary.others = "slip_wall"
+            "#
+        )
+    };
+    for (angle, expected) in [(1.5, 0), (1.7, 2)] {
+        std::fs::write(directory.path().join("arc.toml"), case(angle)).unwrap();
+        let (code, _, stderr) = outcome(directory.path(), &["check", "arc.toml"]);
+        assert_eq!(code, expected, "{angle}: {stderr}");
+        assert!(code == 0 || stderr.contains("inflow.direction") && stderr.contains("outward normal"), "{stderr}");
+    }
+}
+
 #[test]
 fn an_error_in_the_file_shows_its_line() {
     let directory = TempDir::new().unwrap();

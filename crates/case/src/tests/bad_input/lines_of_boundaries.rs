@@ -98,7 +98,7 @@ pub(super) const BAD: &[BadLine] = &[
     (
         "left = \"slip_wall\"",
         "left = { inflow = { total_pressure = 1, total_temperature = 1, direction = [\"1 - 2*t\", 0] } }",
-        &["inflow.direction", "the direction at t = 0.618034", "a vector into the domain"],
+        &["inflow.direction", "the direction at [", "t = 0.618034", "a vector into the domain"],
     ),
     ("others = {", "", &["`flow.boundary`", "boundaries `right`, ", "of the mesh have no flow condition", "`others`"]),
     (
