@@ -51,7 +51,7 @@ impl Couplings {
 pub(crate) struct Colouring {
     /// The node before reordering of every node.
     pub(crate) order: Vec<usize>,
-    /// The nodes of every colour. They are whole chunks, but for the last chunk of a colour.
+    /// The nodes of every colour. Each chunk of a colour is full; only its last one may have fewer nodes.
     pub(super) colours: Vec<Range<usize>>,
     /// The nodes of a chunk.
     pub(super) chunk: usize,
