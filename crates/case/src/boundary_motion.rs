@@ -91,24 +91,26 @@ pub enum RigidStep<const D: usize> {
 impl<const D: usize> RigidMotion<D> {
     /// The displacement at time `t` of the point at `x`.
     pub fn displacement<T: Transcendental>(&self, x: &[T; D], t: T) -> [T; D] {
-        let image = self.steps.iter().fold(*x, |x, step| step.image(&x, t));
-        std::array::from_fn(|i| image[i] - x[i])
+        self.steps.iter().fold([T::from(0.0); D], |d, step| step.add_to(&d, x, t))
     }
 }
 
 impl<const D: usize> RigidStep<D> {
-    fn image<T: Transcendental>(&self, x: &[T; D], t: T) -> [T; D] {
+    /// The displacement of the point at `x` after this step, which follows a displacement `d`. Differences of positions are not taken where
+    /// displacements can be added, so that no digits are lost far from the origin.
+    fn add_to<T: Transcendental>(&self, d: &[T; D], x: &[T; D], t: T) -> [T; D] {
+        let x: [T; D] = std::array::from_fn(|i| x[i] + d[i]);
         match self {
             RigidStep::Translate(displacement) => {
-                let d = displacement.evaluate(x, t);
-                std::array::from_fn(|i| x[i] + d[i])
+                let step = displacement.evaluate(&x, t);
+                std::array::from_fn(|i| d[i] + step[i])
             }
             RigidStep::Rotate { angle, centre, axis } => {
-                let c = centre.evaluate(x, t);
+                let c = centre.evaluate(&x, t);
                 let y: [T; D] = std::array::from_fn(|i| x[i] - c[i]);
-                let angle = angle.evaluate(x, t);
+                let angle = angle.evaluate(&x, t);
                 let turned = rotated(&axis.map(|k| angle * k), &y);
-                std::array::from_fn(|i| c[i] + turned[i])
+                std::array::from_fn(|i| d[i] + (turned[i] - y[i]))
             }
         }
     }

@@ -33,6 +33,9 @@ pub(super) fn lasting(case: &Case) -> Case {
     }
 }
 
+/// The characters of a text that is shown as a whole.
+const LONGEST: usize = 60;
+
 /// A key with different values in two cases.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
@@ -46,8 +49,21 @@ pub struct Difference {
 
 impl fmt::Display for Difference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let text = |value: &Option<String>| value.clone().unwrap_or_else(|| "not there".to_owned());
-        write!(f, "`{}` was {} and is {}", self.key, text(&self.before), text(&self.now))
+        let [before, now] = self.shortened();
+        write!(f, "`{}` was {before} and is {now}", self.key)
+    }
+}
+
+impl Difference {
+    /// Both values, long ones cut so that they show where they begin to differ.
+    pub fn shortened(&self) -> [String; 2] {
+        let values = [&self.before, &self.now].map(|value| value.as_deref().unwrap_or("not there"));
+        let same = values[0].chars().zip(values[1].chars()).take_while(|(a, b)| a == b).count();
+        let from = if same > LONGEST / 2 { same - LONGEST / 4 } else { 0 };
+        values.map(|value| {
+            let rest: String = value.chars().skip(from).collect();
+            if from > 0 { format!("... {}", cut(&rest)) } else { cut(&rest) }
+        })
     }
 }
 
@@ -102,9 +118,14 @@ pub fn values(resolved: &str) -> Result<BTreeMap<String, String>, String> {
     Ok(values)
 }
 
+/// The key `name` of the table at `path`.
+fn key_at(path: &str, name: &str) -> String {
+    if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") }
+}
+
 fn put_values(path: &str, table: &toml::Table, values: &mut BTreeMap<String, String>) {
     for (name, value) in table {
-        let key = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
+        let key = key_at(path, name);
         match value {
             toml::Value::Table(table) => put_values(&key, table, values),
             value => _ = values.insert(key, whole_text(value)),
@@ -130,13 +151,13 @@ fn compared(before: &Case, now: &Case) -> Vec<Difference> {
 fn collect(path: &str, before: &toml::Table, now: &toml::Table, differences: &mut Vec<Difference>) {
     let added = now.keys().filter(|key| !before.contains_key(*key));
     for name in before.keys().chain(added) {
-        let key = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
+        let key = key_at(path, name);
         match (before.get(name), now.get(name)) {
             (Some(toml::Value::Table(before)), Some(toml::Value::Table(now))) => {
                 collect(&key, before, now, differences)
             }
             (before, now) if before != now => {
-                differences.push(Difference { key, before: before.map(text), now: now.map(text) });
+                differences.push(Difference { key, before: before.map(whole_text), now: now.map(whole_text) });
             }
             _ => {}
         }
@@ -148,14 +169,9 @@ fn whole_text(value: &toml::Value) -> String {
     value.as_float().map_or_else(|| value.to_string(), |number| format!("{number:?}"))
 }
 
-/// The same, cut if it is long.
-fn text(value: &toml::Value) -> String {
-    cut(&whole_text(value))
-}
-
 /// The beginning of a long text.
 pub fn cut(text: &str) -> String {
-    match text.char_indices().nth(60) {
+    match text.char_indices().nth(LONGEST) {
         Some((end, _)) => format!("{} ...", &text[..end]),
         None => text.to_owned(),
     }

@@ -16,7 +16,8 @@ pub struct Table {
     /// The values at these times.
     pub values: Option<Vec<f64>>,
     /// Instead of both: a text file, relative to the case file. Each line holds the numbers of one time, the time first, separated
-    /// by semicolons, tabs, commas or blanks. The first line may name the columns, with units behind the names; # begins a comment.
+    /// by semicolons, tabs, commas or blanks. The first line may name the columns, with units behind the names; # begins a comment. If all
+    /// lines above the numbers are comments, the last one may name the columns.
     pub file: Option<PathBuf>,
     /// The column of the file that holds the values: its name without the unit, or its number, where 1 is the time. Default: the second column.
     pub column: Option<Column>,

@@ -173,8 +173,8 @@ pub trait Body: Block {
     /// Its state from the numbers `stored`.
     fn read(&self, stored: &[f64]) -> BodyState;
 
-    /// The way of the body in the slab with the unknowns `z`, in the units of residuals in the norm of its weights.
-    fn way(&self, z: &[f64]) -> f64;
+    /// How far the body travels in the slab with the unknowns `z`, in the units of residuals in the norm of its weights.
+    fn travel(&self, z: &[f64]) -> f64;
 
     /// Twice the kinetic energy of the jump of the rates at the bottom of the slab with the unknowns `z`.
     fn jump(&self, _z: &[f64]) -> f64 {

@@ -103,6 +103,13 @@ pub struct SlabReport<const M: usize> {
     pub totals: Vec<f64>,
 }
 
+impl<const M: usize> SlabReport<M> {
+    /// The norm of the residual at the end over that at the begin.
+    pub fn relative_residual(&self) -> f64 {
+        self.residual_norms[1] / self.residual_norms[0].max(f64::MIN_POSITIVE)
+    }
+}
+
 /// A slab that is solved.
 pub struct Solved<const M: usize> {
     newton: newton::Report,
@@ -141,7 +148,7 @@ impl<const D: usize, const M: usize> FlowMarch<D, M> {
     pub fn new(system: System<D, M>, u: Vec<f64>, settings: Settings) -> Self {
         let Settings { schedule, mut newton, predictor, jacobian, max_halvings } = settings;
         newton.absolute_tolerance = newton.absolute_tolerance.max(ROUND_OFF);
-        newton.quiet = QUIET;
+        newton.rounding_suspected_below = QUIET;
         newton.fruitless_steps = Some(FRUITLESS_STEPS);
         let d = system.mover().displacement_at_start(schedule.start);
         let bodies = system.bodies.iter().map(|body| body.initial()).collect();
@@ -206,7 +213,7 @@ impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
     fn finish(&mut self, state: &mut State, interval: Interval, solved: Solved<M>) -> SlabReport<M> {
         let Solved { newton, quality, jump, balance, mut z } = solved;
         let system = &mut self.system;
-        let dt = interval.end - interval.start;
+        let dt = interval.length();
         let (v, bottom) = (system.mesh.velocities().to_vec(), state.d.clone());
         system.mover().slab_motion.displacement(dt, &bottom, &v, 1.0, &mut state.d);
         state.determinants = system.flow.operator.determinants_at_top().to_vec();
@@ -246,7 +253,7 @@ impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
         }
         let (flow, mover) = (&self.system.flow.operator, self.system.mover());
         let tried = state.eased.as_ref().map_or(0, |eased| eased.attempts);
-        let thickness = self.start_layer.thicken(flow, (mover, state.time), tried, &mut state.u)?;
+        let thickness = self.start_layer.thicken(flow, mover, tried, &mut state.u)?;
         let totals = totals_at(flow, &state.u, SlabEnd::Bottom);
         state.eased = Some(EasedStart { attempts: tried + 1, thickness, totals });
         Some(format!("the initial state gets a boundary layer {thickness:.3e} thick at the walls"))

@@ -15,13 +15,15 @@ const CHANGED: f64 = 0.1;
 
 /// Iterations of a slab with its own Jacobian from which a coarse level saves more of them than it costs, on meshes of more cells than
 /// there are aggregates.
-const LONG: usize = 15;
+const MANY_ITERATIONS: usize = 15;
 
 /// Where the flow's Jacobian was frozen: what the preconditioner is made of, so that a resumed run has the same one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linearisation {
-    /// Start and length of the slab.
-    pub interval: (f64, f64),
+    /// The start of the slab, and its length.
+    pub start: f64,
+    /// See `start`.
+    pub dt: f64,
     /// Displacement at its bottom.
     pub bottom: Vec<f64>,
     /// Mesh velocities.
@@ -117,7 +119,7 @@ impl<const D: usize, const M: usize> LaggedPreconditioner<D, M> {
     pub fn reconsider_coarse_level(&mut self, operator: &SlabOperator<D, M>, iterations: usize) {
         let most = CoarseLevelUse::Always.most_aggregates(M, D as u32, operator.tables.orders.flow);
         let large = operator.share.whole_cells() > most;
-        if !self.coarse_level && self.method == Method::BlockIlu && large && iterations > LONG {
+        if !self.coarse_level && self.method == Method::BlockIlu && large && iterations > MANY_ITERATIONS {
             self.coarse_level = true;
             self.preconditioner = None;
             self.stale = true;
@@ -178,8 +180,10 @@ impl<const D: usize, const M: usize> LaggedPreconditioner<D, M> {
             Some(old) => old.updated(flow, scales),
             None => self.made(flow, scales, known),
         };
+        let (start, dt) = flow.interval();
         self.frozen = Some(Linearisation {
-            interval: flow.interval(),
+            start,
+            dt,
             bottom: bottom.to_vec(),
             velocities: velocities.to_vec(),
             state: Arc::new(flow.linearisation()),
@@ -197,7 +201,7 @@ impl<const D: usize, const M: usize> LaggedPreconditioner<D, M> {
     /// Makes the preconditioner again from what it was made of. The slab, the mesh and the linearisation of `flow` are then those of
     /// `frozen`.
     pub fn rebuild(&mut self, flow: &mut SlabOperator<D, M>, frozen: Linearisation) {
-        let (start, dt) = frozen.interval;
+        let Linearisation { start, dt, .. } = frozen;
         let nothing = vec![0.0; flow.layout.at_one_time().len()];
         flow.begin_slab(start, dt, Bottom::new(&nothing, &frozen.bottom));
         flow.set_mesh(&frozen.velocities);

@@ -59,7 +59,7 @@ pub use observation::Observation;
 pub use reuse_policy::JacobianReusePolicy;
 pub use schedule::{Schedule, StepControl};
 pub use slab_error::{MarchError, SlabError, chain};
-pub use start_layer::{EasedStart, StartLayer};
+pub use start_layer::{EasedStart, LayerWall, StartLayer};
 pub use state::{Interval, Past, State};
 pub use steady::{
     Discretisation, Discretised, Equilibrium, Invariants, NoEquilibrium, Reliability, Search, Settling, Stability,

@@ -105,7 +105,7 @@ impl<S: SlabSolver> March<S> {
     /// # Errors
     /// [`MarchError`] if neither is allowed, or the solver gives way.
     fn go_on(&mut self, interval: Interval, source: SlabError) -> Result<(), MarchError> {
-        let (cause, times, length) = (chain(&source), source.halvings(), interval.end - interval.start);
+        let (cause, times, length) = (chain(&source), source.halvings(), interval.length());
         let easier = source.is_of_flow().then(|| self.solver.ease_start(&mut self.state)).flatten();
         let remedy = match easier {
             Some(done) => done,
@@ -114,11 +114,11 @@ impl<S: SlabSolver> March<S> {
             {
                 self.state.failed.get_or_insert(interval);
                 let next = self.schedule.pending(&mut self.state);
-                let times = halvings(length, next.end - next.start);
+                let times = halvings(length, next.length());
                 if times > 1 { format!("it is halved {times} times") } else { "it is halved".into() }
             }
             None => {
-                let first = self.state.failed.map_or(length, |failed| failed.end - failed.start);
+                let first = self.state.failed.map_or(length, |failed| failed.length());
                 return Err(MarchError::new(&self.state, interval, halvings(first, length), source));
             }
         };

@@ -59,7 +59,7 @@ impl<const D: usize> SlabSolver for MeshAlone<D> {
     /// Puts the mesh into equilibrium with its boundary in one slab.
     fn solve(&mut self, state: &State, interval: Interval) -> Result<Solved, SlabError> {
         let _timed = tracing::trace_span!(target: "cost", "elasticity").entered();
-        let dt = interval.end - interval.start;
+        let dt = interval.length();
         self.mover.begin_slab(&state.d)?;
         let time = self.mover.slab_motion.time();
         let mut g = vec![0.0; self.mover.field_len() * time.order()];
@@ -71,7 +71,7 @@ impl<const D: usize> SlabSolver for MeshAlone<D> {
 
     fn finish(&mut self, state: &mut State, interval: Interval, solved: Solved) -> MeshReport {
         let (Solved { work, v }, bottom) = (solved, state.d.clone());
-        let dt = interval.end - interval.start;
+        let dt = interval.length();
         let quality = self.mover.quality(&bottom, &v, interval);
         let (mut first_invalid, mut first_invalid_sampled) = (None, None);
         if !quality.is_valid() {

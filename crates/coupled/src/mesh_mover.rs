@@ -184,7 +184,7 @@ impl<const D: usize> MeshMover<D> {
         v: &mut [f64],
     ) -> Result<Work, ElasticityError> {
         let guard = |v: &[f64]| self.check_validity(bottom, v, interval);
-        let data = SlabData { dt: interval.end - interval.start, bottom, prescribed: g };
+        let data = SlabData { dt: interval.length(), bottom, prescribed: g };
         self.motion.velocities(&self.slab_motion, data, v, &guard)
     }
 
@@ -211,7 +211,7 @@ impl<const D: usize> MeshMover<D> {
     /// Proves det J > 0 for the first part of the motion of a slab, s <= `part`.
     fn prove(&self, bottom: &[f64], v: &[f64], interval: Interval, part: f64) -> MeshQuality {
         let _timed = tracing::trace_span!(target: "cost", "mesh_proof").entered();
-        let (dt, len) = (interval.end - interval.start, bottom.len());
+        let (dt, len) = (interval.length(), bottom.len());
         let mut displacements = vec![0.0; len * self.times.len()];
         for (s, d) in self.times.iter().zip(displacements.chunks_exact_mut(len)) {
             self.slab_motion.displacement(dt, bottom, v, part * s, d);
@@ -246,7 +246,7 @@ impl<const D: usize> MeshMover<D> {
             let middle = 0.5 * (valid + invalid);
             if self.prove(bottom, v, interval, middle).is_valid() { valid = middle } else { invalid = middle }
         }
-        Some(interval.start + invalid * (interval.end - interval.start))
+        Some(interval.start + invalid * (interval.length()))
     }
 }
 
@@ -259,7 +259,7 @@ fn worst<const D: usize>(cells: &[Validity<D>], interval: Interval) -> MeshQuali
             sampled_min: bound.sampled_min,
             scaled_jacobian: bound.scaled_jacobian(),
             cell,
-            time: interval.start + bound.at.s * (interval.end - interval.start),
+            time: interval.start + bound.at.s * (interval.length()),
         }
     };
     inner_product::reduce(cells.iter().enumerate().map(quality), MeshQuality::worst).expect("a mesh has cells")

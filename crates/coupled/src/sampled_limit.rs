@@ -13,7 +13,7 @@ impl<const D: usize> MeshMover<D> {
     /// intervals between the time nodes of the slab.
     pub fn first_invalid_sampled(&self, bottom: &[f64], v: &[f64], interval: Interval) -> Option<f64> {
         let map = CellMap::on_grid(self.reference.order(), &gauss(2 * self.reference.order()).points);
-        let dt = interval.end - interval.start;
+        let dt = interval.length();
         let is_valid = |s: f64| self.smallest_determinant(&map, dt, bottom, v, s) > 0.0;
         let nodes: Vec<f64> = std::iter::once(0.0).chain(self.slab_motion.time().nodes().iter().copied()).collect();
         let first = nodes.iter().position(|&s| !is_valid(s))?;

@@ -105,13 +105,18 @@ impl Schedule {
     }
 
     /// Halves the next slab `times`, after `interval` could not be solved. Returns false if that is not allowed: the slab was halved
-    /// `max_halvings` times, or its half is below the smallest step of the control.
+    /// `max_halvings` times, or its half is below the smallest step of the control or near the round-off of the time.
     pub fn shorten(&self, state: &mut State, interval: Interval, (times, max_halvings): (u32, u32)) -> bool {
         match self.control {
-            None if interval.halvings >= max_halvings => return false,
-            None => state.halve(times.min(max_halvings - interval.halvings)),
+            None => {
+                let times = times.min(max_halvings.saturating_sub(interval.halvings)).min(interval.possible_halvings());
+                if times == 0 {
+                    return false;
+                }
+                state.halve(times);
+            }
             Some(control) => {
-                let dt = interval.end - interval.start;
+                let dt = interval.length();
                 if 0.5 * dt < control.smallest {
                     return false;
                 }
@@ -124,7 +129,7 @@ impl Schedule {
     /// Whether `interval`, solved with this `jump`, has to be repeated. If so, sets the shorter slab to solve next. A slab in which the boundary
     /// jumps is not repeated: in a shorter one the boundary would be faster, and the jump of the flow would be larger.
     pub fn repeats(&self, state: &mut State, interval: Interval, jump: f64, time_order: usize) -> bool {
-        let dt = interval.end - interval.start;
+        let dt = interval.length();
         let control = self.control.filter(|control| !state.boundary_jumps && control.rejects(dt, jump));
         let Some(control) = control else { return false };
         state.set_step(control.next(dt, jump, time_order));
@@ -135,7 +140,7 @@ impl Schedule {
     /// must not shorten later ones.
     pub fn adapt(&self, state: &mut State, interval: Interval, jump: f64, time_order: usize) {
         let Some(control) = self.control else { return };
-        let length = interval.end - interval.start;
+        let length = interval.length();
         let next = control.next(length, jump, time_order);
         let is_cut = interval.end >= self.latest_end(interval.start) && length < (1.0 - SLIVER) * state.step;
         state.step = if is_cut { next.max(state.step) } else { next };
@@ -165,6 +170,19 @@ mod tests {
 
     fn schedule(control: Option<StepControl>) -> Schedule {
         Schedule { start: 0.0, end: 1.0, step: 0.3, slabs: 4, control, begins: Vec::new() }
+    }
+
+    /// Slabs became as short as a unit in the last place of the time, and 1 / dt infinite.
+    #[test]
+    fn halvings_end_before_the_round_off_of_the_time() {
+        let (schedule, late) = (schedule(None), Interval { start: 1000.0, end: 1000.0 + 2_f64.powi(-30), halvings: 0 });
+        let mut state = State { pending: vec![late], ..state(1000.0, 0.3) };
+        assert!(schedule.shorten(&mut state, late, (40, 60)));
+        let shortest = state.pending[state.pending.len() - 1];
+        assert!(shortest.length() > 10.0 * f64::EPSILON * 1000.0 && shortest.halvings > 5, "{shortest:?}");
+        assert!(!schedule.shorten(&mut state, shortest, (1, 60)));
+        let from_zero = Interval { start: 0.0, end: 1.0, halvings: 0 };
+        assert!(from_zero.possible_halvings() > 40);
     }
 
     #[test]
@@ -271,7 +289,7 @@ mod tests {
         let mut lengths = Vec::new();
         while !state.pending.is_empty() {
             let interval = fixed.pending(&mut state);
-            lengths.push((interval.end - interval.start) / 0.3);
+            lengths.push((interval.length()) / 0.3);
             state.finish(interval);
         }
         assert!(lengths.iter().zip([0.125, 0.125, 0.25, 0.5]).all(|(a, b)| (a - b).abs() < 1e-14), "{lengths:?}");

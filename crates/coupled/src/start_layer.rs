@@ -4,10 +4,10 @@
 //! layer the velocity falls to that of the wall,
 //!
 //! ```text
-//! w(x) = w_b + (w_0(x) - w_b) (1 - exp(-(d_w(x) / delta)^2))                                                   (start layer)
+//! w(x) = w_b + (w_0(x) - w_b) (1 - exp(-(d_w(x) / delta)^2)),   w_b = sum_k d_k^-2 w_k / sum_k d_k^-2,   d_w = min_k d_k     (start layer)
 //! ```
 //!
-//! with the distance d_w to the walls and their mean velocity w_b. Density and pressure stay as they are.
+//! with the distance d_k to wall k and its mean velocity w_k. Density and pressure stay as they are.
 
 use crate::mesh_mover::MeshMover;
 use basis::gauss_lobatto;
@@ -34,18 +34,27 @@ pub struct EasedStart {
     pub totals: Vec<f64>,
 }
 
+/// A no-slip boundary.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayerWall {
+    /// Its index.
+    pub boundary: usize,
+    /// w_k, its mean velocity.
+    pub velocity: Vec<f64>,
+}
+
 /// The layer at the walls of a mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StartLayer {
-    /// The no-slip boundaries.
-    pub walls: Vec<usize>,
+    /// The walls.
+    pub walls: Vec<LayerWall>,
     /// The state without a layer, once there is one.
     pub given: Vec<f64>,
 }
 
 impl StartLayer {
-    /// The layer at these boundaries.
-    pub fn new(walls: Vec<usize>) -> Self {
+    /// The layer at these walls.
+    pub fn new(walls: Vec<LayerWall>) -> Self {
         StartLayer { walls, ..StartLayer::default() }
     }
 
@@ -54,7 +63,7 @@ impl StartLayer {
     pub(crate) fn thicken<const D: usize, const M: usize>(
         &mut self,
         flow: &SlabOperator<D, M>,
-        (mover, time): (&MeshMover<D>, f64),
+        mover: &MeshMover<D>,
         tried: usize,
         u: &mut [f64],
     ) -> Option<f64> {
@@ -64,44 +73,51 @@ impl StartLayer {
         if tried == 0 {
             self.given = u.to_vec();
         }
-        let thickness = FIRST * size(mover, &self.walls) * 2.0_f64.powi(tried as i32);
+        let thickness = FIRST * size(mover, &self.boundaries()) * 2.0_f64.powi(tried as i32);
         if !(thickness > 0.0 && thickness.is_finite()) {
             return None;
         }
         u.copy_from_slice(&self.given);
-        self.apply(flow, (mover, time), thickness, u);
+        self.apply(flow, mover, thickness, u);
         Some(thickness)
     }
 
-    /// Applies (start layer) to the state `u` at one time.
+    fn boundaries(&self) -> Vec<usize> {
+        self.walls.iter().map(|wall| wall.boundary).collect()
+    }
+
+    /// Applies (start layer) to the state `u`.
     pub fn apply<const D: usize, const M: usize>(
         &self,
         flow: &SlabOperator<D, M>,
-        (mover, time): (&MeshMover<D>, f64),
+        mover: &MeshMover<D>,
         thickness: f64,
         u: &mut [f64],
     ) {
-        let distance = BoundaryDistance::new(&mover.reference, &self.walls);
+        let of_wall = |wall: &LayerWall| BoundaryDistance::new(&mover.reference, &[wall.boundary]);
+        let distances: Vec<BoundaryDistance<D>> = self.walls.iter().map(of_wall).collect();
         let (map, one) = (nodes_of_flow(flow), flow.layout.at_one_time());
-        let wall_velocity = self.mean_velocity(mover, time);
         for (cell, of_mesh) in flow.share.own.iter().enumerate() {
             let positions = map.positions(mover.reference.cell_coordinates(*of_mesh));
             for (i, x) in positions.iter().enumerate() {
-                let factor = -(-(distance.at(x) / thickness).powi(2)).exp_m1();
+                let distances: Vec<f64> = distances.iter().map(|distance| distance.at(x)).collect();
+                let factor = -(-(smallest(distances.iter().copied()) / thickness).powi(2)).exp_m1();
                 let entry = |m: usize| one.index(cell, 0, m, i);
-                let slowed = slowed::<D, M>(&from_fn(|m| u[entry(m)]), &wall_velocity, factor);
+                let slowed = slowed::<D, M>(&from_fn(|m| u[entry(m)]), &self.velocity_of_walls(&distances), factor);
                 (0..M).for_each(|m| u[entry(m)] = slowed[m]);
             }
         }
     }
 
-    /// w_b, the mean velocity of the nodes of the walls.
-    fn mean_velocity<const D: usize>(&self, mover: &MeshMover<D>, time: f64) -> [f64; D] {
-        let mut velocity = vec![0.0; mover.field_len()];
-        mover.prescribe_velocity(time, &mut velocity);
-        let nodes = nodes_on(mover, &self.walls);
-        let along = |axis: usize| nodes.iter().map(|node| velocity[node * D + axis]).collect::<Vec<f64>>();
-        from_fn(|axis| sum(&along(axis)) / nodes.len().max(1) as f64)
+    /// w_b at these `distances` from the walls.
+    fn velocity_of_walls<const D: usize>(&self, distances: &[f64]) -> [f64; D] {
+        // Relative to the smallest distance: on a wall its weight is one, and those of the others vanish.
+        let nearest = smallest(distances.iter().copied());
+        let weight = |d: f64| if d == nearest { 1.0 } else { (nearest / d).powi(2) };
+        let weights: Vec<f64> = distances.iter().map(|d| weight(*d)).collect();
+        let mean =
+            |axis: usize| sum(&self.walls.iter().zip(&weights).map(|(k, w)| w * k.velocity[axis]).collect::<Vec<_>>());
+        from_fn(|axis| mean(axis) / sum(&weights))
     }
 }
 
@@ -160,6 +176,19 @@ mod tests {
             assert!((0..2).all(|i| (state.velocity[i] - expected[i]).abs() < 1e-15), "{factor}: {state:?}");
         }
         Ok(())
+    }
+
+    /// One mean velocity of all walls made jumps at walls that slide: gas at rest beside the upper wall of a Couette flow.
+    #[test]
+    fn the_velocity_is_that_of_the_nearest_wall() {
+        let wall = |boundary, velocity: [f64; 2]| LayerWall { boundary, velocity: velocity.to_vec() };
+        let layer = StartLayer::new(vec![wall(0, [0.0, 0.0]), wall(1, [3.0, 1.0])]);
+        for (distances, expected) in
+            [([0.0, 1.0], [0.0, 0.0]), ([1.0, 0.0], [3.0, 1.0]), ([0.5, 0.5], [1.5, 0.5]), ([2.0, 1.0], [2.4, 0.8])]
+        {
+            let found = layer.velocity_of_walls::<2>(&distances);
+            assert!((0..2).all(|i| (found[i] - expected[i]).abs() < 1e-15), "{distances:?}: {found:?}");
+        }
     }
 
     #[test]

@@ -16,6 +16,22 @@ pub struct Interval {
     pub halvings: u32,
 }
 
+/// The shortest part of a slab, in units of the round-off of its times.
+const SHORTEST: f64 = 16.0 * f64::EPSILON;
+
+impl Interval {
+    /// dt
+    pub fn length(&self) -> f64 {
+        self.end - self.start
+    }
+
+    /// How often it can be halved before its length drowns in the round-off of the time.
+    pub(crate) fn possible_halvings(&self) -> u32 {
+        let shortest = SHORTEST * self.start.abs().max(self.end.abs());
+        (self.length() / shortest).log2().floor() as u32
+    }
+}
+
 /// The slab before: its polynomials are extended to guess the next one. An observer of the run may keep the flow and the velocities: they
 /// are shared and never change.
 #[derive(Clone, Debug, PartialEq)]

@@ -31,7 +31,7 @@ use newton_krylov::problem::{Inadmissible, NonlinearProblem};
 use newton_krylov::pseudo_time;
 
 /// The length of the slab in time units of the flow: so long that u_n has no influence. All terms scale with it, so it costs no digits.
-const LONG: f64 = 1e12;
+const STEADY_SLAB_LENGTH: f64 = 1e12;
 
 /// The smallest eta of a step that is damped. Such a step follows the flow in time and does not end at a solution.
 const LOOSE: f64 = 0.1;
@@ -63,7 +63,7 @@ fn solve_steady<const D: usize, const M: usize>(
     problem.at_rest((time, time_unit), u, d)?;
     problem.flow.preconditioner.steady = true;
     // The residual of (steady) is dt times a rate, which the time unit makes a number.
-    let absolute_tolerance = settings.absolute_tolerance.max(ROUND_OFF) * LONG;
+    let absolute_tolerance = settings.absolute_tolerance.max(ROUND_OFF) * STEADY_SLAB_LENGTH;
     let references = residual_norms(problem, initial)?;
     let pseudo_time = continued(settings.pseudo_time, references[0], residual_norms(problem, u)?[0]);
     let krylov = fgmres::Settings { precision: problem.krylov_precision(), ..settings.krylov };
@@ -105,7 +105,7 @@ impl<const D: usize, const M: usize> System<D, M> {
     fn at_rest(&mut self, (time, time_unit): (f64, f64), u: &[f64], d: &[f64]) -> Result<(), SlabError> {
         self.hold_time(time);
         let state = State::new(time, u.to_vec(), d.to_vec());
-        self.begin(Interval { start: time, end: time + LONG * time_unit, halvings: 0 }, &state)?;
+        self.begin(Interval { start: time, end: time + STEADY_SLAB_LENGTH * time_unit, halvings: 0 }, &state)?;
         self.move_mesh(&mut vec![0.0; d.len()])?;
         Ok(())
     }

@@ -197,7 +197,7 @@ impl<const D: usize> SlabSolver for StructureAlone<D> {
 
     fn solve(&mut self, state: &State, interval: Interval) -> Result<Self::Solved, SlabError> {
         let _timed = tracing::trace_span!(target: "cost", "elasticity").entered();
-        let (start, dt) = (interval.start, interval.end - interval.start);
+        let (start, dt) = (interval.start, interval.length());
         let mut v = match &self.equations {
             Equations::Dynamic(_) => self.guess(state, start, dt),
             Equations::Static(_) => self.prescribed(start, dt, &state.d),
@@ -215,7 +215,7 @@ impl<const D: usize> SlabSolver for StructureAlone<D> {
 
     fn finish(&mut self, state: &mut State, interval: Interval, solved: Self::Solved) -> StructureReport {
         let ((dynamics, v), bottom) = (solved, state.d.clone());
-        let dt = interval.end - interval.start;
+        let dt = interval.length();
         match &self.equations {
             Equations::Dynamic(dynamics) => dynamics.motion().displacement(dt, &bottom, &v, 1.0, &mut state.d),
             // The last node is the top.

@@ -42,8 +42,8 @@ pub struct System<const D: usize, const M: usize> {
     pub(crate) exchange: Exchange,
     /// Along the direction last taken.
     tangent: Exchange,
-    /// The way of its body per unit of each of their unknowns.
-    ways: Vec<f64>,
+    /// For each unknown of the bodies, the travel of its body in a slab per unit of that unknown.
+    travel_per_unit: Vec<f64>,
     fields: Vec<Field>,
     /// The entries of z of every block: bodies, mesh, flow. The range of the mesh may be empty.
     ranges: Vec<Range<usize>>,
@@ -71,7 +71,7 @@ impl<const D: usize, const M: usize> System<D, M> {
             volume_scale: 1.0,
             exchange: Exchange::default(),
             tangent: Exchange::default(),
-            ways: Vec::new(),
+            travel_per_unit: Vec::new(),
             fields: Vec::new(),
             ranges: Vec::new(),
             weights: Weighted::new(Vec::new()),
@@ -96,7 +96,7 @@ impl<const D: usize, const M: usize> System<D, M> {
         }
         let (flow, layout) = (self.flow_range(), self.flow.operator.layout);
         self.tangent.effect_is_kept = self.keeps_effect();
-        self.ways = self.ways_of_bodies();
+        self.travel_per_unit = self.travels_of_bodies();
         self.weights.parts = parts(&self.flow.operator.share, flow.start, layout.cell_len());
         self.inverse_pseudo_time = vec![0.0; self.fields.len()];
         let len = self.flow.operator.mesh.field_len() * self.flow.operator.tables.orders.time;
@@ -175,7 +175,7 @@ impl<const D: usize, const M: usize> System<D, M> {
     /// The error of a block that cannot begin there.
     pub fn begin(&mut self, interval: Interval, state: &State) -> Result<(), SlabError> {
         self.inverse_pseudo_time.fill(0.0);
-        let clock = Clock::of_slab(interval.start, interval.end - interval.start, self.flow.operator.held_time());
+        let clock = Clock::of_slab(interval.start, interval.length(), self.flow.operator.held_time());
         let mut begun = Ok(());
         self.each(|block, _, _, _, _| {
             if begun.is_ok() {
@@ -266,7 +266,7 @@ impl<const D: usize, const M: usize> System<D, M> {
         let mut norms = self.field_norms(&r);
         let (bodies, flow) = (self.bodies.len(), norms.len() - 1);
         for (number, body) in self.bodies.iter().enumerate() {
-            norms[number] = body.way(&z[self.body_range(number)]).max(norms[number]).min(1.0);
+            norms[number] = body.travel(&z[self.body_range(number)]).max(norms[number]).min(1.0);
         }
         norms[bodies..flow].fill(1.0);
         Ok((norms, self.weights.norm(&r)))

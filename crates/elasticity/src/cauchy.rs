@@ -9,7 +9,7 @@
 
 use crate::law::{NeoHookean, PointLaw, StVenantKirchhoff, plus_identity};
 use crate::{ElasticityError, Lame, Law, Plane, Solid};
-use tensor::{cofactor, determinant, dot};
+use tensor::{det, dot};
 
 /// A stress in space.
 pub type Stress = [[f64; 3]; 3];
@@ -42,7 +42,7 @@ fn in_space<const D: usize>(a: &[[f64; D]; D]) -> Stress {
 /// (Cauchy)
 fn pushed_forward(law: impl PointLaw, gradient: &Stress) -> Stress {
     let (f, piola) = (plus_identity(gradient), law.stress(gradient, gradient).piola);
-    let j = determinant(&f, &cofactor(&f));
+    let j = det(&f);
     std::array::from_fn(|i| std::array::from_fn(|k| dot(&piola[i], &f[k]) / j))
 }
 
@@ -64,7 +64,7 @@ pub fn principal(sigma: &Stress) -> [f64; 3] {
     }
     let scaled: Stress =
         std::array::from_fn(|i| std::array::from_fn(|j| (sigma[i][j] - if i == j { mean } else { 0.0 }) / size));
-    let half = (determinant(&scaled, &cofactor(&scaled)) / 2.0).clamp(-1.0, 1.0);
+    let half = (det(&scaled) / 2.0).clamp(-1.0, 1.0);
     let angle = half.acos() / 3.0;
     let at = |turn: f64| mean + 2.0 * size * (angle + turn).cos();
     let (largest, smallest) = (at(0.0), at(2.0 * std::f64::consts::FRAC_PI_3));

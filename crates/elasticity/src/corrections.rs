@@ -1,8 +1,8 @@
 //! Corrections of a solution of linear equations of a structure, until only round-off is left.
 //!
 //! One correction would be exact if its systems were solved exactly. The residual is compared with the forces that cancel in it. Where a body has
-//! moved far, these may be no larger than the rounding of stiffness times displacement. There is one correction all the same: a load that is small
-//! beside the rounding of every node still moves the whole body, because rounding inside of it cancels.
+//! moved far, these may be no larger than the rounding of stiffness times displacement. One correction is always made: a load that is small
+//! beside the rounding at each node can still move the whole body, because rounding inside of the body cancels.
 
 use crate::ElasticityError;
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
@@ -11,7 +11,7 @@ use newton_krylov::inner_product::{Euclidean, InnerProduct};
 const TOLERANCE: f64 = 1e-12;
 
 /// ... or when a correction leaves more than this fraction of it, so that only round-off is left.
-const ROUND_OFF: f64 = 0.1;
+const LEFT_BY_ROUNDING: f64 = 0.1;
 
 /// It is an error if the residual stagnates by round-off above this.
 const STALLED: f64 = 1e-5;
@@ -71,7 +71,7 @@ pub(crate) fn correct(
         done.count += 1;
         let before = norm;
         [norm, forces] = equations.residual(x, &mut r)?;
-        if norm > ROUND_OFF * before {
+        if norm > LEFT_BY_ROUNDING * before {
             break;
         }
     }

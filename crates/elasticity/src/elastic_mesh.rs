@@ -6,7 +6,7 @@ mod solve;
 mod tests;
 
 use crate::geometry::{StiffnessSampler, nodal_coordinates, node_spacing};
-use crate::low_order::{Inertia, LowOrderInverse};
+use crate::low_order::{Inertia, LowOrderInverse, LowOrderTerms};
 use crate::operator::Operator;
 use crate::pool::Pool;
 use crate::solver::{Inverse, Plan, Prepared, Solver};
@@ -83,6 +83,14 @@ impl<const D: usize> ElasticMesh<D> {
         let coordinates = nodal_coordinates(mesh, numbering);
         let (batches, solver) = (operator.batches(), solver.into());
         let (plan, prepared) = Plan::prepare(mesh, numbering, batches, constrained, &solver);
+        let low_order = |position: &mut Position<D>| {
+            let at_nodes = StiffnessSampler::new(mesh, stiffness, gauss_lobatto(order));
+            let multigrid = (plan.solver == Solver::Multigrid).then_some(&coordinates[..]);
+            let (inertia, samples) = (Inertia::none(), |cell| at_nodes.cell(cell));
+            let terms = LowOrderTerms { lame, inertia, numbering, samples, fixed: constrained };
+            let low_order = LowOrderInverse::new(&terms, multigrid)?;
+            position.keep_nodes(law, numbering, &at_nodes).map(|()| low_order)
+        };
         let matrices = |batch| operator.cell_matrices(position.bottom(), batch);
         let inverse = match prepared {
             Prepared::Elimination(elimination) => Inverse::Direct(Box::new(elimination.factor(batches, matrices)?)),
@@ -90,15 +98,7 @@ impl<const D: usize> ElasticMesh<D> {
                 let is_direct = plan.solver == Solver::Direct;
                 Inverse::Substructures(Box::new(Substructures::new(cuts, is_direct, matrices)?))
             }
-            Prepared::Nothing => {
-                let at_nodes = StiffnessSampler::new(mesh, stiffness, gauss_lobatto(order));
-                let multigrid = (plan.solver == Solver::Multigrid).then_some(&coordinates[..]);
-                let samples = |cell| at_nodes.cell(cell);
-                let low_order =
-                    LowOrderInverse::new(lame, Inertia::none(), numbering, samples, constrained, multigrid)?;
-                position.keep_nodes(law, numbering, &at_nodes)?;
-                Inverse::LowOrder(Box::new(low_order))
-            }
+            Prepared::Nothing => Inverse::LowOrder(Box::new(low_order(&mut position)?)),
         };
         let mut diagonal = vec![0.0; numbering.count * D];
         operator.diagonal(&mut diagonal);

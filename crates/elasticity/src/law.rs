@@ -21,7 +21,7 @@
 use crate::Lame;
 use crate::geometry::quadrature_points;
 use basis::{Rule, gauss, gauss_lobatto};
-use tensor::{Real, cofactor, determinant, dot};
+use tensor::{Real, cofactor, det, determinant, dot, trace};
 
 /// The energy of a mesh or a body, and the reference of its strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -158,15 +158,6 @@ fn volume<T: Real, const D: usize>(gradient: &[[T; D]; D]) -> Volume<T> {
     Volume { ratio, logarithm: ratio.ln() + (e - (ratio - 1.0)) / ratio }
 }
 
-#[inline(always)]
-fn trace<T: Real, const D: usize>(a: &[[T; D]; D]) -> T {
-    let mut sum = a[0][0];
-    for i in 1..D {
-        sum += a[i][i];
-    }
-    sum
-}
-
 /// (St. Venant-Kirchhoff)
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StVenantKirchhoff(pub(crate) Lame);
@@ -177,7 +168,7 @@ impl PointLaw for StVenantKirchhoff {
     #[inline(always)]
     fn stress<T: Real, const D: usize>(self, gradient: &[[T; D]; D], _: &[[T; D]; D]) -> PointStress<T, D> {
         let (f, second) = (plus_identity(gradient), Lame::stress(&self.0, &green_strain(gradient)));
-        PointStress { piola: times_symmetric(&f, &second), volume_ratio: determinant(&f, &cofactor(&f)) }
+        PointStress { piola: times_symmetric(&f, &second), volume_ratio: det(&f) }
     }
 }
 

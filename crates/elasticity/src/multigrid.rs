@@ -17,6 +17,7 @@ use crate::ElasticityError;
 use crate::pool::Pool;
 use aggregation::{Filtered, aggregates, smoothed, strong_neighbours, tentative};
 use blocks::{Block, inverse};
+use matrix::Direction;
 use newton_krylov::inner_product;
 use prolongation::Prolongation;
 use sparse::{BlockMatrix, Factorisation, Kind};
@@ -193,7 +194,7 @@ impl<const R: usize, const B: usize> Level<R, B> {
 
     /// The forward sweep from zero, and the residual of the next level.
     fn descend(&self, Vectors { residual, correction, rest }: &mut Vectors<R>, coarse: &mut [[f64; B]]) {
-        self.matrix.sweep_forward(&self.inverses, residual, correction);
+        self.matrix.sweep(Direction::Forward, &self.inverses, residual, correction);
         self.matrix.residual_after_forward(correction, rest);
         self.prolongation.restrict(rest, coarse);
     }
@@ -201,7 +202,7 @@ impl<const R: usize, const B: usize> Level<R, B> {
     /// The correction of the next level, and the backward sweep.
     fn ascend(&self, coarse: &[[f64; B]], Vectors { residual, correction, .. }: &mut Vectors<R>) {
         self.prolongation.add_to(coarse, correction);
-        self.matrix.sweep_backward(&self.inverses, residual, correction);
+        self.matrix.sweep(Direction::Backward, &self.inverses, residual, correction);
     }
 
     fn bytes(&self) -> usize {

@@ -112,7 +112,7 @@ fn low_order_bytes(dimension: usize, unknowns: usize, solver: Solver) -> usize {
     let n = unknowns as f64;
     let per_unknown = match (solver, dimension) {
         (Solver::Multigrid, 2) => 350.0,
-        (Solver::Multigrid, _) => 1200.0,
+        (Solver::Multigrid, _) => 850.0,
         (_, 2) => 820.0,
         _ => 16_000.0 * (n / 1e5).cbrt(),
     };

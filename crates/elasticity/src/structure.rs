@@ -195,16 +195,21 @@ impl<const D: usize> Structure<D> {
     /// out = f(t), on all entries.
     ///
     /// # Errors
-    /// [`ElasticityError::Load`] if a load is not a finite number.
+    /// [`ElasticityError::Load`] if a load, or a follower pressure on the body at rest, is not a finite number.
     pub fn load(&self, loads: &Loads<D>, t: f64, out: &mut [f64]) -> Result<(), ElasticityError> {
         loads.assemble(&self.mass, self.operator.batches(), &self.surface, t, out);
-        match out.iter().position(|f| !f.is_finite()) {
-            Some(entry) => {
-                let position = self.coordinates[entry / D].to_vec();
-                Err(ElasticityError::Load { time: t, position, value: out[entry] })
-            }
-            None => Ok(()),
+        self.check_load(t, out)?;
+        if loads.pressures.is_empty() {
+            return Ok(());
         }
+        let (rest, mut followers) = (vec![0.0; out.len()], vec![0.0; out.len()]);
+        self.add_pressures(loads, t, &rest, &mut followers);
+        self.check_load(t, &followers)
+    }
+
+    fn check_load(&self, time: f64, load: &[f64]) -> Result<(), ElasticityError> {
+        let Some(entry) = load.iter().position(|f| !f.is_finite()) else { return Ok(()) };
+        Err(ElasticityError::Load { time, position: self.coordinates[entry / D].to_vec(), value: load[entry] })
     }
 
     /// out += the follower pressures of `loads` on the body displaced by `d`.

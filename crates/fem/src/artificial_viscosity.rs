@@ -9,7 +9,7 @@
 //! viscosity run the loops of the other terms only.
 
 use crate::conservation_law::ConservationLaw;
-use crate::facet::times_normal;
+use crate::facet::{Put, subtract_penalised, times_normal};
 use crate::point::{Kernel, KernelTypes, Metric, PointIndex, along_reference};
 use crate::scratch::{CellScratch, FacetScratch, SideScratch};
 use crate::tables::Planes;
@@ -88,23 +88,21 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
                 let jump = times_normal(&u_minus, &u_plus, &here.n);
                 let minus = self.artificial_side(self.map_of_side(geometry, 0, at), side_minus, &u_minus, &jump, at);
                 let plus = self.artificial_side(self.map_of_side(geometry, 1, at), side_plus, &u_plus, &jump, at);
-                let nearest = minus.metric.det.recip().abs().max(plus.metric.det.recip().abs());
-                let sigma = self.penalty(here.area, nearest);
+                let sigma = self.interior_penalty(here.area, [&minus.metric, &plus.metric]);
+                let mut f = [u_minus[0].zero(); M];
+                let (flux, jump_flux) = ([&minus.flux, &plus.flux], [&minus.jump_flux, &plus.jump_flux]);
+                subtract_penalised(&mut f, flux, jump_flux, &here.n, sigma);
                 let [side_minus, side_plus] = &mut scratch.sides;
                 for m in 0..M {
-                    let mut f = u_minus[m].zero();
-                    for k in 0..D {
-                        let mean = (minus.flux[k][m] + plus.flux[k][m]) * 0.5;
-                        let mean_jump = (minus.jump_flux[k][m] + plus.jump_flux[k][m]) * 0.5;
-                        f -= (mean - mean_jump.scale(sigma)).scale(here.n[k]);
-                    }
-                    let term = (f.scale(here.area) * here.weight).result();
+                    let term = (f[m].scale(here.area) * here.weight).result();
                     self.add_to(term, &mut side_minus.tested[at.index(m)], part);
                     self.add_to(-term, &mut side_plus.tested[at.index(m)], part);
                 }
                 let scale = here.area * (-0.5 * here.weight);
-                self.add_symmetric(&minus, scale, at, &mut side_minus.tested_gradient);
-                self.add_symmetric(&plus, scale, at, &mut side_plus.tested_gradient);
+                for (side, scratch) in [(&minus, side_minus), (&plus, side_plus)] {
+                    let tested = Put::Add(&mut scratch.tested_gradient);
+                    self.symmetric_term(&side.jump_flux, &side.metric, scale, at, tested);
+                }
             }
         }
     }
@@ -123,29 +121,5 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
         let viscosity = self.law.artificial_viscosity(u, &gradient, &self.grid(&metric));
         let flux = self.law.artificial_flux(u, &gradient, viscosity);
         Side { flux, jump_flux: self.law.artificial_flux(u, jump, viscosity), metric }
-    }
-
-    /// The symmetric term of (facet), as [`Self::symmetric_term`].
-    #[inline(always)]
-    fn add_symmetric(
-        self,
-        side: &Side<T::State, T::Geometry, D, M>,
-        scale: T::Geometry,
-        at: PointIndex,
-        tested_gradient: &mut [Pack],
-    ) {
-        let scale = scale * side.metric.det.recip();
-        for j in 0..D {
-            for m in 0..M {
-                let sum = along_reference(&side.jump_flux, &side.metric.cof, j, m);
-                self.add_to(sum.scale(scale).result(), &mut tested_gradient[at.index(j * M + m)], at.part);
-            }
-        }
-    }
-
-    /// sum += term
-    #[inline(always)]
-    pub(crate) fn add_to(self, term: Lanes<T::Simd>, sum: &mut Pack, part: usize) {
-        (Lanes::read(self.simd, sum, part) + term).write(sum, part);
     }
 }

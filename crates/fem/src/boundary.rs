@@ -1,7 +1,7 @@
 //! Boundary terms of the residual, and the flux through boundaries.
 
 use crate::conservation_law::{BoundaryPoint, ConservationLaw};
-use crate::facet::{DataAt, FacetContext, times_normal};
+use crate::facet::{DataAt, FacetContext, Put, times_normal};
 use crate::facet_evaluation::FacetPoint;
 use crate::mode::Values;
 use crate::point::{Condition, Kernel, KernelTypes, PointIndex, Types, load};
@@ -57,20 +57,20 @@ impl<T: Real, const D: usize, const M: usize> PointFlux<T, D, M> {
             let jump = times_normal(minus, &state, at.normal);
             let through = law.boundary_viscous_flux(condition, &state, gradient, at);
             let penalised = law.boundary_viscous_flux(condition, &state, &jump, at);
-            for m in 0..M {
-                penalty[m] = penalised[m].scale(*sigma);
-                viscous[m] = penalty[m] - through[m];
-            }
+            let mut add = |through: [T; M], penalised: [T; M]| {
+                for m in 0..M {
+                    let penalised = penalised[m].scale(*sigma);
+                    penalty[m] += penalised;
+                    viscous[m] += penalised - through[m];
+                }
+            };
+            add(through, penalised);
             jump_flux = law.viscous_flux(&state, &jump);
             if law.captures_shocks() {
                 let beta = law.artificial_viscosity(minus, gradient, grid);
                 let through = law.boundary_artificial_flux(condition, &state, gradient, beta, at);
                 let penalised = law.boundary_artificial_flux(condition, &state, &jump, beta, at);
-                for m in 0..M {
-                    let artificial = penalised[m].scale(*sigma);
-                    penalty[m] += artificial;
-                    viscous[m] += artificial - through[m];
-                }
+                add(through, penalised);
                 let artificial = law.artificial_flux(&state, &jump, beta);
                 for k in 0..D {
                     for m in 0..M {
@@ -153,7 +153,7 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
                     let metric = self.map_of_side(geometry, 0, at);
                     // Minus: uhat - u- = -(u- - u_b).
                     let (scale, tested) = (here.area * -here.weight, &mut scratch.sides[0].tested_gradient);
-                    self.symmetric_term(&jump_flux, &metric, scale, at, tested);
+                    self.symmetric_term(&jump_flux, &metric, scale, at, Put::Set(tested));
                 }
                 for m in 0..M {
                     let term = ((inviscid[m] + viscous[m]).scale(here.area) * here.weight).result();
@@ -270,8 +270,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, S: Simd> Kernel<'
                 let (inviscid_sums, viscous_sums) = fluxes.split_at_mut(through_len(M));
                 self.add_part(&inviscid, &pushing, &Arm { x, area, part }, inviscid_sums);
                 self.add_part(&viscous, &rubbing, &Arm { x, area, part }, viscous_sums);
-                self.add(work * area, &mut powers[0], part);
-                self.add(heat * area, &mut powers[1], part);
+                self.add_to(work * area, &mut powers[0], part);
+                self.add_to(heat * area, &mut powers[1], part);
             }
         }
     }
@@ -292,9 +292,9 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, S: Simd> Kernel<'
             return (flux, viscous.1 - penalty.1 + read(M));
         };
         for m in 0..M {
-            self.add(penalty.0[m] * share, &mut seen[at.index(m)], at.part);
+            self.add_to(penalty.0[m] * share, &mut seen[at.index(m)], at.part);
         }
-        self.add(penalty.1 * share, &mut seen[at.index(M)], at.part);
+        self.add_to(penalty.1 * share, &mut seen[at.index(M)], at.part);
         viscous
     }
 
@@ -316,24 +316,18 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, S: Simd> Kernel<'
     fn add_part(self, f: &[Lanes<S>; M], force: &[Lanes<S>; D], here: &Arm<S, D>, sums: &mut [Pack]) {
         let Arm { x, area, part } = *here;
         for m in 0..M {
-            self.add(f[m] * area, &mut sums[m], part);
+            self.add_to(f[m] * area, &mut sums[m], part);
         }
         for i in 0..D {
-            self.add(force[i] * area, &mut sums[M + i], part);
+            self.add_to(force[i] * area, &mut sums[M + i], part);
         }
         for i in 0..3 {
             let (j, k) = ((i + 1) % 3, (i + 2) % 3);
             if j < D && k < D {
                 let moment = x[j] * force[k] - x[k] * force[j];
-                self.add(moment * area, &mut sums[M + 3 + i], part);
+                self.add_to(moment * area, &mut sums[M + 3 + i], part);
             }
         }
-    }
-
-    /// sum += term
-    #[inline(always)]
-    fn add(self, term: Lanes<S>, sum: &mut Pack, part: usize) {
-        (Lanes::read(self.simd, sum, part) + term).write(sum, part);
     }
 }
 

@@ -6,7 +6,7 @@ use crate::kernels::Differentiate;
 use crate::operator::SlabOperator;
 use crate::scratch::{FacetScratch, through_len};
 use std::ops::AddAssign;
-use tensor::Pack;
+use tensor::{Pack, cross};
 
 /// The flux through a boundary at one time, or its integral over some time: inviscid and viscous flux relative to the
 /// moving boundary, (through).
@@ -74,10 +74,8 @@ impl<const M: usize> FluxPart<M> {
 
     /// The moment about the point from which the centre is `arm` away: (x - p) x f = (x - c) x f + (c - p) x f.
     fn moment_at(&self, arm: &[f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|i| {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            self.moment[i] + (arm[j] * self.force[k] - arm[k] * self.force[j])
-        })
+        let of_arm = cross(arm, &self.force);
+        std::array::from_fn(|i| self.moment[i] + of_arm[i])
     }
 
     fn scaled(&self, factor: f64) -> Self {

@@ -11,7 +11,7 @@ use crate::time_points::TimePointIndex;
 use basis::{AlongAxis, Matrix};
 use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
-use tensor::{Lanes, Pack, cofactor, determinant, zeroed};
+use tensor::{Lanes, Pack, cofactor, det, determinant, zeroed};
 
 /// Numbers of the geometry of a cell at a point: A `[direction][d]`, velocity `[d]`, J.
 pub(crate) const fn geometry_len(dimension: usize) -> usize {
@@ -206,7 +206,7 @@ impl<const D: usize, K: Mode, S: Simd> CellGeometry<'_, D, K, S> {
         for p in 0..points {
             for part in 0..Lanes::<S>::PARTS {
                 let slopes = Fields::new(D * D, points).rows::<D, K::Geometry<S>, S>(self.simd, jacobian, p, part);
-                Fields::new(1, points).store(0, determinant(&slopes, &cofactor(&slopes)), out, p, part);
+                Fields::new(1, points).store(0, det(&slopes), out, p, part);
             }
         }
     }

@@ -5,8 +5,8 @@
 //!
 //! ```text
 //! A_i = J grad xi_i;  in 2-D as it is, in 3-D in the form of a curl, whose divergence vanishes identically:
-//! A_i,n = -1/2 ( d_j F_k,n - d_k F_j,n ),   F_k,n = I( x_l d_k x_m - x_m d_k x_l ),   (i, j, k) and (n, m, l) cyclic             (metric)
-//! g_i = I( A_i . v ),   v the velocity of the mesh                                                                     (grid flux)
+//! A_i,n = -1/2 ( d_j F_k,n - d_k F_j,n ),   F_k,n = I_h( x_l d_k x_m - x_m d_k x_l ),   (i, j, k) and (n, m, l) cyclic             (metric)
+//! g_i = I_h( A_i . v ),   v the velocity of the mesh                                                                     (grid flux)
 //! J(s) = J_n + dt int_0^s sum_i d_i g_i                                                                                  (carried)
 //! ```
 //!

@@ -4,8 +4,8 @@
 //! large enough that no entropy is lost.
 //!
 //! ```text
-//! R_i += eps int_K grad_x psi . H grad_x v_h J,   eps = m / D,   m = q^2 / (q + x_0),   q = max(x_0 - x_r - delta, 0)  (entropy viscosity)
-//! D = int_K grad_x v_h . H grad_x v_h J,   H = du / dv                                                          (dissipation)
+//! R_i += eps sum_j int_K Delta_j psi . H Delta_j v_h J,   eps = m / D,   m = q^2 / (q + x_0),   q = max(x_0 - x_r - delta, 0)  (entropy viscosity)
+//! D = sum_j int_K Delta_j v_h . H Delta_j v_h J,   H = du / dv,   Delta_j = 2 / (N_s - 1) d / dxi_j             (dissipation)
 //! delta = int_dK Psi . n + sum_i sum_nodes omega ( g_i (u . d_i v_h - d_i phi_h) - d_i v_h . F_c . A_i )       (production)
 //! ```
 //!
@@ -17,9 +17,12 @@
 //! The points are the nodes, where sums along lines can be integrated by parts. In the exact form of delta, int_K phi d_t J takes the place
 //! of the terms with g_i, since d_t J is the divergence of g.
 //!
+//! Delta_j is the change from node to node along axis j, so that the viscosity acts at the rate eps along all axes. In a thin cell one
+//! viscosity for all directions, large enough for the long side, would act across the cell at a rate larger by the square of the ratio of sides.
+//!
 //! m is a smooth maximum of -delta - x_r and 0, never below it. With a speed of signals c and the distance of nodes h,
 //!
-//! * x_0 is the dissipation by a viscosity of c h / 10^6;
+//! * x_0 is the dissipation at a rate eps of c / h / 10^6;
 //! * x_r, 1e-12 times the integral of phi c / h, is above the round-off of delta. Round-off must not become a viscosity where the flow is nearly
 //!   uniform.
 //!
@@ -34,9 +37,9 @@ use crate::point::{Kernel, KernelTypes, Metric, PointIndex, along_reference};
 use crate::scratch::CellScratch;
 use crate::tables::Planes;
 use crate::tensor_product::{AtPoints, Lattice, evaluate};
-use tensor::{LaneNumber, Lanes, Over, Pack, Real};
+use tensor::{LaneNumber, Lanes, Over, Pack, Real, smooth_ramp};
 
-/// x_0 over the dissipation of a viscosity of one signal speed times the distance of nodes.
+/// x_0 over the dissipation at a rate of one signal speed over the distance of nodes.
 const SMOOTHING: f64 = 1e-6;
 
 /// x_r over the integral of phi times the signal speed over the distance of nodes.
@@ -50,7 +53,7 @@ const ROUND_OFF: f64 = 1e-14;
 pub(crate) struct EntropyScratch {
     /// v_h, `[b][m][i]`.
     variables: Vec<Pack>,
-    /// Its derivatives along reference directions, and later H grad_x v_h, `[b][j][m][i]`.
+    /// Its derivatives along reference directions, and later H Delta_j v_h, `[b][j][m][i]`.
     gradient: Vec<Pack>,
     /// phi, `[b][i]`.
     phi: Vec<Pack>,
@@ -87,8 +90,7 @@ impl<T: Real> Sums<T> {
     /// eps of (entropy viscosity)
     #[inline(always)]
     fn viscosity(self) -> T {
-        let q = (self.smoothing - self.round_off - self.delta).max(self.delta.zero());
-        q * q / ((q + self.smoothing) * self.dissipation)
+        smooth_ramp(self.smoothing - self.round_off - self.delta, self.smoothing) / self.dissipation
     }
 }
 
@@ -106,14 +108,14 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
         let (points, CellScratch { u, flux, entropy, geometry, .. }) = (planes.weights.len(), scratch);
         let geometry = known.unwrap_or(&geometry.at_points);
         for part in 0..Lanes::<T::Simd>::PARTS {
-            let viscosity = self.entropy_sums([u, geometry], planes, part, entropy).viscosity(); // 2. eps, H grad v_h
+            let viscosity = self.entropy_sums([u, geometry], planes, part, entropy).viscosity(); // 2. eps, H Delta_j v_h
             for p in 0..points {
                 let at = PointIndex { points, p, part };
-                let (metric, f) = (self.cell_metric(geometry, at), self.fluxes_at(&entropy.gradient, at));
-                let weight = planes.weights[p] * flux_weight;
+                let (metric, f) = (self.cell_metric(geometry, at), self.reference_gradient(&entropy.gradient, at));
+                let scale = metric.det * (self.node_distance() * planes.weights[p] * flux_weight);
                 for j in 0..D {
                     for m in 0..M {
-                        let term = along_reference(&f, &metric.cof, j, m) * viscosity * weight;
+                        let term = (f[j][m] * viscosity).scale(scale);
                         self.add_to(term.result(), &mut flux[at.index(j * M + m)], part); // 3. the fluxes
                     }
                 }
@@ -121,17 +123,10 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
         }
     }
 
-    /// Fluxes in all directions at a point, of `fluxes[b][direction][m][i]`.
+    /// The distance of nodes in reference coordinates, 2 / (N_s - 1).
     #[inline(always)]
-    fn fluxes_at(self, fluxes: &[Pack], at: PointIndex) -> [[T::State; M]; D] {
-        let (simd, block) = (self.simd, D * M * at.points);
-        let mut f = [[T::State::load(simd, fluxes, block, at.p, at.part); M]; D];
-        for j in 0..D {
-            for m in 0..M {
-                f[j][m] = T::State::load(simd, fluxes, block, at.index(j * M + m), at.part);
-            }
-        }
-        f
+    fn node_distance(self) -> f64 {
+        2.0 / (self.tables.orders.flow - 1) as f64
     }
 
     /// v_h, phi_h and their derivatives along reference directions.
@@ -159,7 +154,7 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
         }
     }
 
-    /// The sums over the cells in a part of the lanes. H grad_x v_h takes the place of the derivatives of v_h.
+    /// The sums over the cells in a part of the lanes. H Delta_j v_h takes the place of the derivatives of v_h.
     #[inline(always)]
     fn entropy_sums(
         self,
@@ -178,21 +173,20 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
             let (psi, phi) = self.law.entropy_potential(&u);
             sums.delta += self.through_ends(&psi, &metric, planes, p);
             sums.delta -= self.entropy_flux(&u, &metric, &v, at, entropy) * weight;
-            let slopes = self.physical_gradient(&entropy.gradient, at, &metric);
-            let f = self.law.gradient_by_entropy(&u, &slopes);
-            let per_square = self.inverse_square(&metric);
-            let mut dissipation = phi.scale(per_square) * ROUND_OFF;
-            for k in 0..D {
+            let changes = self.reference_gradient(&entropy.gradient, at).map(|v| v.map(|v| v * self.node_distance()));
+            let f = self.law.gradient_by_entropy(&u, &changes);
+            let mut dissipation = phi * ROUND_OFF;
+            for j in 0..D {
                 for m in 0..M {
-                    dissipation += slopes[k][m] * f[k][m];
-                    f[k][m].store(&mut entropy.gradient, D * M * points, at.index(k * M + m), part);
+                    dissipation += changes[j][m] * f[j][m];
+                    f[j][m].store(&mut entropy.gradient, D * M * points, at.index(j * M + m), part);
                 }
             }
             let dissipation = dissipation.scale(metric.det) * weight;
             sums.dissipation += dissipation;
-            let (speed, per_length) = (self.law.signal_speed(&u), per_square.sqrt());
-            sums.smoothing += dissipation * speed.scale(per_length.recip()) * SMOOTHING;
-            sums.round_off += phi * speed.scale(per_length * metric.det) * (weight * PRODUCTION_ROUND_OFF);
+            let rate = self.law.signal_speed(&u).scale(self.inverse_square(&metric).sqrt());
+            sums.smoothing += dissipation * rate * SMOOTHING;
+            sums.round_off += phi * rate.scale(metric.det) * (weight * PRODUCTION_ROUND_OFF);
         }
         sums
     }

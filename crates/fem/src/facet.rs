@@ -196,23 +196,26 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
             (law.viscous_flux(minus, &gradient_minus), law.viscous_flux(plus, &gradient_plus));
         let jump = times_normal(minus, plus, &here.n);
         let (mut jump_flux_minus, mut jump_flux_plus) = (law.viscous_flux(minus, &jump), law.viscous_flux(plus, &jump));
-        let nearest = metric_minus.det.recip().abs().max(metric_plus.det.recip().abs());
-        let sigma = self.penalty(here.area, nearest);
-        for m in 0..M {
-            for k in 0..D {
-                let mean = (flux_minus[k][m] + flux_plus[k][m]) * 0.5;
-                let mean_jump = (jump_flux_minus[k][m] + jump_flux_plus[k][m]) * 0.5;
-                f[m] -= (mean - mean_jump.scale(sigma)).scale(here.n[k]);
-            }
-        }
+        let sigma = self.interior_penalty(here.area, [metric_minus, metric_plus]);
+        subtract_penalised(f, [&flux_minus, &flux_plus], [&jump_flux_minus, &jump_flux_plus], &here.n, sigma);
         if self.penalises_slopes() {
             let flux = self.slope_penalty([minus, plus], [&gradient_minus, &gradient_plus], &here.n, sigma);
             slope::join(&flux, &here.n, &mut jump_flux_minus, &mut jump_flux_plus);
         }
         // uhat - u- = -[u]/2 along n, and uhat - u+ = +[u]/2 along -n: the same on both sides.
         let scale = here.area * (-0.5 * here.weight);
-        self.symmetric_term(&jump_flux_minus, metric_minus, scale, at, &mut side_minus.tested_gradient);
-        self.symmetric_term(&jump_flux_plus, metric_plus, scale, at, &mut side_plus.tested_gradient);
+        self.symmetric_term(&jump_flux_minus, metric_minus, scale, at, Put::Set(&mut side_minus.tested_gradient));
+        self.symmetric_term(&jump_flux_plus, metric_plus, scale, at, Put::Set(&mut side_plus.tested_gradient));
+    }
+
+    /// sigma of (penalty) between two cells, with the smaller of their volumes.
+    #[inline(always)]
+    pub(crate) fn interior_penalty(
+        self,
+        area: T::Geometry,
+        [minus, plus]: [&Metric<T::Geometry, D>; 2],
+    ) -> T::Geometry {
+        self.penalty(area, minus.det.recip().abs().max(plus.det.recip().abs()))
     }
 
     /// sigma of (penalty), with |S| = `area` and 1 / |J| = `per_volume`.
@@ -221,7 +224,7 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
         penalty(area, per_volume, self.tables.orders.flow)
     }
 
-    /// scale grad_x psi : f as tests against reference derivatives: scale / det sum_k cof_kj f_k for direction j.
+    /// scale grad_x psi : f as tests against reference derivatives: scale / det sum_k cof_kj f_k for direction j. They are `put` among the others.
     #[inline(always)]
     pub(crate) fn symmetric_term(
         self,
@@ -229,13 +232,22 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
         metric: &Metric<T::Geometry, D>,
         scale: T::Geometry,
         at: PointIndex,
-        tested_gradient: &mut [Pack],
+        put: Put<'_>,
     ) {
+        let (tested_gradient, adds) = match put {
+            Put::Set(terms) => (terms, false),
+            Put::Add(terms) => (terms, true),
+        };
         let scale = scale * metric.det.recip();
         for j in 0..D {
             for m in 0..M {
-                let sum = along_reference(f, &metric.cof, j, m);
-                sum.scale(scale).result().write(&mut tested_gradient[at.index(j * M + m)], at.part);
+                let term = along_reference(f, &metric.cof, j, m).scale(scale).result();
+                let place = &mut tested_gradient[at.index(j * M + m)];
+                if adds {
+                    self.add_to(term, place, at.part);
+                } else {
+                    term.write(place, at.part);
+                }
             }
         }
     }
@@ -261,6 +273,32 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
         if viscous {
             let leaving = AtPoints::Values(&tested_gradient[(D - 1) * M * points..]);
             integrate(self.simd, lattice, leaving, derivatives, room, false);
+        }
+    }
+}
+
+/// The terms that are tested with gradients, `[j * M + m][point]`, and what happens to them.
+pub(crate) enum Put<'a> {
+    /// They are replaced.
+    Set(&'a mut [Pack]),
+    /// They are added to.
+    Add(&'a mut [Pack]),
+}
+
+/// f -= ( {F_v} - sigma {F_v([u] n)} ) . n: the terms of (sip) that are tested with values. The pairs hold both sides.
+#[inline(always)]
+pub(crate) fn subtract_penalised<const D: usize, const M: usize, T: Over<G>, G: Real>(
+    f: &mut [T; M],
+    flux: [&[[T; M]; D]; 2],
+    jump_flux: [&[[T; M]; D]; 2],
+    n: &[G; D],
+    sigma: G,
+) {
+    for m in 0..M {
+        for k in 0..D {
+            let mean = (flux[0][k][m] + flux[1][k][m]) * 0.5;
+            let mean_jump = (jump_flux[0][k][m] + jump_flux[1][k][m]) * 0.5;
+            f[m] -= (mean - mean_jump.scale(sigma)).scale(n[k]);
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::tensor_product::{AtPoints, Lattice, evaluate};
 use crate::time_points::TimePointIndex;
 use basis::Matrix;
 use tensor::pulp::Simd;
-use tensor::{LaneNumber, Lanes, Pack, Real, cofactor, determinant, dot, zeroed};
+use tensor::{LaneNumber, Lanes, Pack, Real, cofactor, det, determinant, dot, zeroed};
 
 /// Packs at the nodes of the flow of a batch of cells; all start with the block, `[b]`.
 #[derive(Default)]
@@ -265,7 +265,7 @@ impl<const D: usize, K: Mode, S: Simd> CellGeometry<'_, D, K, S> {
         for p in 0..self.nodes() {
             for part in 0..Lanes::<S>::PARTS {
                 let slopes = self.fields(D * D).rows::<D, K::Geometry<S>, S>(self.simd, &nodal.jacobian, p, part);
-                let det = determinant(&slopes, &cofactor(&slopes));
+                let det = det(&slopes);
                 self.fields(self.tables.time_points.len()).store(0, det, &mut nodal.determinant, p, part);
             }
         }

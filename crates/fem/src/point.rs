@@ -121,6 +121,19 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
         load(self.simd, x, at)
     }
 
+    /// grad_xi u, `gradient[b][direction][m][p]`.
+    #[inline(always)]
+    pub(crate) fn reference_gradient(self, gradient: &[Pack], at: PointIndex) -> [[T::State; M]; D] {
+        let (simd, block) = (self.simd, D * M * at.points);
+        let mut reference = [[T::State::load(simd, gradient, block, at.p, at.part); M]; D];
+        for j in 0..D {
+            for m in 0..M {
+                reference[j][m] = T::State::load(simd, gradient, block, at.index(j * M + m), at.part);
+            }
+        }
+        reference
+    }
+
     /// grad_x u = J^{-T} grad_xi u = cof . grad_xi u / det; `gradient[b][direction][m][p]`.
     #[inline(always)]
     pub(crate) fn physical_gradient(
@@ -129,13 +142,7 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
         at: PointIndex,
         metric: &Metric<T::Geometry, D>,
     ) -> [[T::State; M]; D] {
-        let (simd, block, inverse) = (self.simd, D * M * at.points, metric.det.recip());
-        let mut reference = [[T::State::load(simd, gradient, block, at.p, at.part); M]; D];
-        for j in 0..D {
-            for m in 0..M {
-                reference[j][m] = T::State::load(simd, gradient, block, at.index(j * M + m), at.part);
-            }
-        }
+        let (reference, inverse) = (self.reference_gradient(gradient, at), metric.det.recip());
         let mut physical = reference;
         for k in 0..D {
             let mut row = metric.cof[k];
@@ -151,6 +158,12 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
             }
         }
         physical
+    }
+
+    /// sum += term
+    #[inline(always)]
+    pub(crate) fn add_to(self, term: Lanes<T::Simd>, sum: &mut Pack, part: usize) {
+        (Lanes::read(self.simd, sum, part) + term).write(sum, part);
     }
 
     /// Marks the lanes where `admissibility` is not positive, or NaN.

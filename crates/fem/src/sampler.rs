@@ -6,7 +6,7 @@ use crate::moving_mesh::MovingMesh;
 use crate::operator::SlabOperator;
 use crate::parallel::{self, Grain};
 use basis::{Lagrange, Matrix, gauss};
-use tensor::{cofactor, determinant};
+use tensor::{cofactor, det, determinant};
 
 /// Values of flow and mesh polynomials on the tensor grid of some points per direction.
 pub struct Sampler<const D: usize> {
@@ -58,7 +58,7 @@ impl<const D: usize> Sampler<D> {
 
     /// det dx/dxi at the points.
     pub fn determinants(&self, nodal: &[f64]) -> Vec<f64> {
-        self.jacobians(nodal).iter().map(|m| determinant(m, &cofactor(m))).collect()
+        self.jacobians(nodal).iter().map(det).collect()
     }
 
     /// grad_x of a cell's coefficients `[component][node]` on a cell at `nodal`: `[direction][component][point]`.

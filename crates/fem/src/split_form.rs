@@ -69,8 +69,8 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
         for m in 0..M {
             let term = (flux[m] * pair.weight).result();
             let [first, second] = [m * points + i, m * points + j];
-            (Lanes::read(self.simd, &tested[first], part) + term).write(&mut tested[first], part);
-            (Lanes::read(self.simd, &tested[second], part) - term).write(&mut tested[second], part);
+            self.add_to(term, &mut tested[first], part);
+            self.add_to(-term, &mut tested[second], part);
         }
     }
 }

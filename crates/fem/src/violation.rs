@@ -3,7 +3,7 @@
 use crate::operator::{SlabOperator, Violation};
 use crate::share::Share;
 use crate::tables::Shape1d;
-use tensor::{WIDTH, cofactor, determinant};
+use tensor::{WIDTH, det};
 
 /// The polynomials of mesh and flow at the quadrature points and the ends of a direction. In a cell these are all points at
 /// which kernels evaluate the state, including its faces.
@@ -86,7 +86,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let jacobian: [[f64; D]; D] = std::array::from_fn(|i| {
             std::array::from_fn(|j| tensor(&position[i * nodes..(i + 1) * nodes], &points.mesh, Some(j)))
         });
-        let det = determinant(&jacobian, &cofactor(&jacobian));
+        let det = det(&jacobian);
         if det.is_nan() || det <= 0.0 {
             return Some(("det J", det));
         }

@@ -8,6 +8,9 @@ use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use tensor::norm;
 
+/// Positions that differ by this part of the diameter of the mesh are one: the round-off of a file.
+const SAME: f64 = 1e-9;
+
 /// A face that is a strip of straight lines along z, along an arc in the plane x, y with the domain on its right.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Strip {
@@ -72,16 +75,18 @@ impl<const D: usize> Mesh<D> {
     /// For every C0 node of a `boundary` that is one closed curve, the length of the curve up to the node over its whole length, in [0, 1).
     /// The curve begins at the end of a facet with the largest x; among several, at the one with the smallest y. A node of a periodic wall
     /// has two positions, and the larger x decides. The domain lies on the right of the curve, so it runs counter-clockwise around a body.
-    /// In three dimensions the same for a wall that is such a curve extruded along z.
+    /// In three dimensions the same for a wall that is such a curve extruded along z, up to the round-off of a file.
     /// `None` for other boundaries.
     pub fn arc_fractions(&self, numbering: &NodeNumbering, boundary: usize) -> Option<BTreeMap<usize, f64>> {
+        let tolerance = SAME * self.diameter();
         let arcs: Vec<Arc> =
-            self.sides_of(boundary).map(|side| self.arc(numbering, side, 0.0)).collect::<Option<_>>()?;
+            self.sides_of(boundary).map(|side| self.arc(numbering, side, tolerance)).collect::<Option<_>>()?;
         let lowest = arcs.iter().map(|arc| arc.height).fold(f64::INFINITY, f64::min);
-        let of_curve = follow(arcs.iter().filter(|arc| arc.height == lowest).collect())?;
+        let of_curve = follow(arcs.iter().filter(|arc| arc.height <= lowest + tolerance).collect())?;
+        let places = Places::new(of_curve, tolerance);
         let mut fractions = BTreeMap::new();
         for arc in &arcs {
-            let of_row = of_curve.get(&place(arc.start()))?;
+            let of_row = places.at(arc.start())?;
             for row in &arc.rows {
                 fractions.extend(row.iter().copied().zip(of_row.iter().copied()));
             }
@@ -145,14 +150,35 @@ fn is_along_z<const D: usize>(positions: &[[f64; D]], n: usize, axis: usize, tol
     (0..positions.len()).all(|k| (0..2).all(|i| (positions[k][i] - positions[first(k)][i]).abs() <= tolerance))
 }
 
-/// A position as a key: positions of the same curve at several heights are the same numbers.
-fn place(x: [f64; 2]) -> [u64; 2] {
-    // Zero has two signs.
-    x.map(|x| (x + 0.0).to_bits())
+/// Values at positions in the plane. They are found at positions that differ by a tolerance.
+struct Places<T> {
+    tolerance: f64,
+    /// By the squares of a lattice with twice the tolerance as its width.
+    values: BTreeMap<[i64; 2], T>,
 }
 
-/// The fractions along the nodes of arcs that form one closed curve, by the places where the arcs begin.
-fn follow(arcs: Vec<&Arc>) -> Option<BTreeMap<[u64; 2], Vec<f64>>> {
+impl<T> Places<T> {
+    fn new(values: impl IntoIterator<Item = ([f64; 2], T)>, tolerance: f64) -> Self {
+        let values = values.into_iter().map(|(x, value)| (Self::square(x, tolerance), value)).collect();
+        Places { tolerance, values }
+    }
+
+    fn square(x: [f64; 2], tolerance: f64) -> [i64; 2] {
+        x.map(|x| (x / (2.0 * tolerance)).floor() as i64)
+    }
+
+    /// The value of a position near x, which lies in the square of a corner of the box around x.
+    fn at(&self, x: [f64; 2]) -> Option<&T> {
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
+        corners.iter().find_map(|corner| {
+            let near = from_fn(|i| x[i] + self.tolerance * corner[i]);
+            self.values.get(&Self::square(near, self.tolerance))
+        })
+    }
+}
+
+/// The fractions along the nodes of arcs that form one closed curve, with the positions where the arcs begin.
+fn follow(arcs: Vec<&Arc>) -> Option<Vec<([f64; 2], Vec<f64>)>> {
     let first = first_node(arcs.iter().flat_map(|arc| arc.ends()))?;
     let mut by_node: BTreeMap<usize, &Arc> = BTreeMap::new();
     for arc in arcs {
@@ -161,17 +187,17 @@ fn follow(arcs: Vec<&Arc>) -> Option<BTreeMap<[u64; 2], Vec<f64>>> {
             return None;
         }
     }
-    let (mut fractions, mut length, mut node) = (BTreeMap::new(), 0.0, first);
+    let (mut fractions, mut length, mut node) = (Vec::new(), 0.0, first);
     loop {
         let arc = by_node.remove(&node)?;
         let row: Vec<f64> = arc.lengths.iter().map(|along| length + along).collect();
         (length, node) = (row[row.len() - 1], arc.rows[0][row.len() - 1]);
-        fractions.insert(place(arc.start()), row);
+        fractions.push((arc.start(), row));
         if node == first {
             break;
         }
     }
-    fractions.values_mut().flatten().for_each(|fraction| *fraction /= length);
+    fractions.iter_mut().flat_map(|(_, row)| row).for_each(|fraction| *fraction /= length);
     by_node.is_empty().then_some(fractions)
 }
 
@@ -204,4 +230,20 @@ fn speeds(positions: &[[f64; 2]], points: &[f64]) -> Vec<f64> {
         norm(&from_fn::<f64, 2, _>(|i| derivatives.row(q).iter().zip(positions).map(|(l, x)| l * x[i]).sum()))
     };
     (0..points.len()).map(speed).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Positions of an extruded wall from a file agree up to the digits of the file: none of them was found.
+    #[test]
+    fn places_are_found_up_to_the_tolerance() {
+        let places = Places::new([([0.3, -1.0], 'a'), ([0.3, 2e-9], 'b')], 1e-9);
+        for (dx, dy) in [(0.0, 0.0), (9e-10, -9e-10), (-9e-10, 9e-10)] {
+            assert_eq!(places.at([0.3 + dx, -1.0 + dy]), Some(&'a'));
+            assert_eq!(places.at([0.3 + dx, 2e-9 + dy]), Some(&'b'));
+        }
+        assert_eq!(places.at([0.3, -1.0 + 1e-8]), None);
+    }
 }

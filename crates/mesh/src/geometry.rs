@@ -6,7 +6,7 @@ use crate::mesh::point;
 use crate::{Mesh, MeshError};
 use basis::{Lagrange, Matrix, gauss, gauss_lobatto};
 use std::array::from_fn;
-use tensor::{cofactor, determinant, norm};
+use tensor::{det, norm};
 
 /// The map of cells of one order to a tensor grid of points:
 ///
@@ -65,7 +65,7 @@ impl<const D: usize> CellMap<D> {
 
     /// det J at the points, axis 0 fastest.
     pub fn determinants(&self, nodes: &[f64]) -> Vec<f64> {
-        self.jacobians(nodes).iter().map(|m| determinant(m, &cofactor(m))).collect()
+        self.jacobians(nodes).iter().map(det).collect()
     }
 
     /// J at the points for positions with the axes (component, D axes of space, any further axes).

@@ -15,7 +15,7 @@
 use crate::gas::Gas;
 use crate::shock_capturing::ARTIFICIAL_PRANDTL;
 use crate::state::{Conserved, Primitive, along, components, scaled};
-use tensor::{Over, Real, dot};
+use tensor::{Over, Real, dot, trace};
 
 /// F_c(u) - u v = u (w_i - v_i) + p [0 ; e_i ; w_i], indexed `[direction][component]`.
 #[inline(always)]
@@ -169,11 +169,7 @@ impl<T: Real, const D: usize> Stresses<T, D> {
     #[inline(always)]
     pub(crate) fn artificial<const M: usize>(gas: &Gas, u: &[T; M], gradient: &[[T; M]; D], beta: T) -> Self {
         let Slopes { velocity, w_grad, e_grad, .. } = Slopes::new(u, gradient);
-        let mut pressure = w_grad[0][0];
-        for k in 1..D {
-            pressure += w_grad[k][k];
-        }
-        pressure = pressure * beta;
+        let pressure = trace(&w_grad) * beta;
         let mut tau = [[beta.zero(); D]; D];
         for i in 0..D {
             tau[i][i] = pressure;
@@ -222,10 +218,7 @@ impl<T: Real, const D: usize> Stresses<T, D> {
     where
         T: Over<G>,
     {
-        let mut divergence = self.w_grad[0][0];
-        for k in 1..D {
-            divergence += self.w_grad[k][k];
-        }
+        let divergence = trace(&self.w_grad);
         let mut traction = self.velocity;
         for i in 0..D {
             traction[i] = self.viscosity * (along(&self.w_grad[i], n) - divergence.scale(n[i]));
@@ -256,10 +249,7 @@ pub fn viscous_stress<const D: usize>(gas: &Gas, state: &Primitive<f64, D>, w_gr
 /// (tau), with `w_grad[i][j]` = w_j,i.
 #[inline(always)]
 fn stress<T: Real, const D: usize>(mu: T, w_grad: &[[T; D]; D]) -> [[T; D]; D] {
-    let mut divergence = w_grad[0][0];
-    for k in 1..D {
-        divergence += w_grad[k][k];
-    }
+    let divergence = trace(w_grad);
     let mut tau = *w_grad;
     for i in 0..D {
         for j in 0..D {

@@ -1,8 +1,8 @@
 //! A calorically perfect gas.
 
 use crate::error::{InvalidParameter, positive};
-use crate::state::Conserved;
-use tensor::{Real, dot};
+use crate::state::{Conserved, Primitive};
+use tensor::{Real, dot, norm};
 
 /// The dependence of the dynamic viscosity mu on the temperature T.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,6 +103,14 @@ impl Gas {
     #[inline(always)]
     pub fn sound_speed<T: Real>(&self, density: T, pressure: T) -> T {
         (pressure / density * self.gamma).sqrt()
+    }
+    /// The Mach number |w| / c.
+    pub fn mach<const D: usize>(&self, state: &Primitive<f64, D>) -> f64 {
+        norm(&state.velocity) / self.sound_speed(state.density, state.pressure)
+    }
+    /// s = ln p - gamma ln rho.
+    pub fn entropy(&self, density: f64, pressure: f64) -> f64 {
+        pressure.ln() - self.gamma * density.ln()
     }
     /// H = E + p / rho.
     #[inline(always)]

@@ -49,10 +49,14 @@ impl Reference {
         scales
     }
 
+    /// The temperature T = c^2 / (gamma R).
+    pub fn temperature(&self, gas: &Gas) -> f64 {
+        self.sound_speed * self.sound_speed / (gas.gamma() * gas.gas_constant())
+    }
+
     /// The total temperature T + U^2 / (2 c_p).
     pub fn total_temperature(&self, gas: &Gas) -> f64 {
-        let temperature = self.sound_speed * self.sound_speed / (gas.gamma() * gas.gas_constant());
-        temperature + 0.5 * self.speed * self.speed / gas.heat_capacity()
+        self.temperature(gas) + 0.5 * self.speed * self.speed / gas.heat_capacity()
     }
 
     /// The dynamic pressure rho U^2 / 2.
@@ -67,7 +71,6 @@ impl Reference {
 
     /// The Reynolds number rho U L / mu of the `length` L, mu at the reference temperature; infinite without viscosity.
     pub fn reynolds(&self, gas: &Gas, length: f64) -> f64 {
-        let temperature = self.sound_speed * self.sound_speed / (gas.gamma() * gas.gas_constant());
-        self.density * self.speed * length / gas.dynamic_viscosity(temperature)
+        self.density * self.speed * length / gas.dynamic_viscosity(self.temperature(gas))
     }
 }

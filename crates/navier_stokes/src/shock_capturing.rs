@@ -22,7 +22,7 @@
 use crate::error::{InvalidParameter, positive};
 use crate::gas::Gas;
 use crate::state::Primitive;
-use tensor::{Over, Real};
+use tensor::{Over, Real, smooth_ramp};
 
 /// The numbers of (beta).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,12 +65,10 @@ impl ShockCapturing {
         // - rho w_k,k
         let compression = -expansion;
         let per_square = inverse_spacing_squared(density, gradient, grid);
-        // l / c
-        let time = (density / (pressure * per_square * gas.gamma())).sqrt();
-        let s = compression * time / density;
-        let q = (s - self.threshold).max(s.zero());
-        let phi = q * q / (q + self.threshold);
-        density * phi / (per_square * time) * self.strength
+        let l_over_c = (density / (pressure * per_square * gas.gamma())).sqrt();
+        let r = compression * l_over_c / density;
+        let chi = smooth_ramp(r - self.threshold, r.constant(self.threshold));
+        density * chi / (per_square * l_over_c) * self.strength
     }
 }
 

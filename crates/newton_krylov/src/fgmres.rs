@@ -200,7 +200,7 @@ pub fn solve(
     let Workspace { double, single, work } = workspace;
     let target = settings.absolute_tolerance.max(settings.relative_tolerance * system.inner_product().norm(b));
     let mut report = Report::default();
-    report.initial_norm = first_residual(system, b, x, &mut work.w, &mut report);
+    report.initial_norm = residual(system, b, x, &mut work.w, &mut report);
     report.final_norm = report.initial_norm;
     work.history.push(report.initial_norm);
     for restarts in 0.. {
@@ -218,7 +218,7 @@ pub fn solve(
         let trusted = trusted(settings.precision) * before;
         report.final_norm = match estimate.filter(|estimate| finite && *estimate > trusted) {
             Some(estimate) => estimate,
-            None => true_residual(system, b, x, &mut work.w, &mut report),
+            None => residual(system, b, x, &mut work.w, &mut report),
         };
         check(settings, target, before, finite, report)?;
     }
@@ -240,9 +240,9 @@ fn check(settings: &Settings, target: f64, before: f64, finite: bool, report: Re
     }
 }
 
-/// [`true_residual`] of the guess x. For x = 0 no product is computed. A product may be a collective call, so |x| decides and not the part of x
-/// on this rank.
-fn first_residual(
+/// w := b - A x; returns |w|. For x = 0 no product is computed. A product may be a collective call, so |x| decides and not the part of x on this
+/// rank.
+fn residual(
     system: &mut (impl LinearSystem + ?Sized),
     b: &[f64],
     x: &[f64],
@@ -251,22 +251,11 @@ fn first_residual(
 ) -> f64 {
     if system.inner_product().norm(x) == 0.0 {
         copy(b, w);
-        return system.inner_product().norm(w);
+    } else {
+        system.multiply(x, w);
+        report.products += 1;
+        xpay(b, -1.0, w);
     }
-    true_residual(system, b, x, w, report)
-}
-
-/// w := b - A x; returns |w|.
-fn true_residual(
-    system: &mut (impl LinearSystem + ?Sized),
-    b: &[f64],
-    x: &[f64],
-    w: &mut [f64],
-    report: &mut Report,
-) -> f64 {
-    system.multiply(x, w);
-    report.products += 1;
-    xpay(b, -1.0, w);
     system.inner_product().norm(w)
 }
 

@@ -40,7 +40,7 @@ pub struct Settings {
     /// The level of round-off, relative to the reference norm: below it no decrease is required.
     pub round_off: f64,
     /// Below this norm, a step that falls short of its linear solve may have met rounding. Then the problem is asked for an estimate.
-    pub quiet: f64,
+    pub rounding_suspected_below: f64,
     /// The number of steps after which the driver gives up.
     pub max_steps: usize,
     /// The solve has diverged if the residual exceeds the reference and the initial norm by this factor.
@@ -87,7 +87,7 @@ impl Default for Settings {
             relative_tolerance: 1e-8,
             absolute_tolerance: 0.0,
             round_off: 1e-13,
-            quiet: 0.0,
+            rounding_suspected_below: 0.0,
             max_steps: 30,
             divergence: 1e6,
             stall: None,

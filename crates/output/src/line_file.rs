@@ -20,7 +20,7 @@ impl LineFile {
     }
 
     /// Starts the file with the `columns`, or keeps its rows up to the time `reached` of a run that is resumed. A file with other columns is
-    /// kept beside it as `line_NAME.earlier.csv`.
+    /// kept beside it as `line_NAME.earlier.csv`, or `line_NAME.earlier_2.csv` if there is one already, and so on.
     ///
     /// # Errors
     /// [`OutputError::File`] if the system refuses.
@@ -30,13 +30,23 @@ impl LineFile {
         let kept = match &earlier {
             Some((reached, text)) if text.starts_with(&first) => rows_until(&text[first.len()..], *reached),
             Some(_) => {
-                let beside = self.path.with_extension("earlier.csv");
+                let beside = self.free_name();
                 fs::rename(&self.path, &beside).map_err(|source| file_error(&beside, source))?;
                 String::new()
             }
             None => String::new(),
         };
         write_atomically(&self.path, (first + &kept).as_bytes())
+    }
+
+    /// The first name for earlier rows that is not taken.
+    fn free_name(&self) -> PathBuf {
+        let (mut beside, mut number) = (self.path.with_extension("earlier.csv"), 1);
+        while beside.exists() {
+            number += 1;
+            beside = self.path.with_extension(format!("earlier_{number}.csv"));
+        }
+        beside
     }
 
     /// Appends rows.
@@ -78,6 +88,10 @@ mod tests {
         assert_eq!(read(), "t,s\n0.0,0.1\n0.0,0.2\n0.3,1e-17\n");
         file.begin(&["t", "s", "x"].map(str::to_owned), Some(0.3)).unwrap();
         assert_eq!(read(), "t,s,x\n");
-        assert!(directory.path().join("line_wake.earlier.csv").exists());
+        // Once more: the rows of before were overwritten.
+        file.append(&[vec![0.4, 0.1, 0.2]]).unwrap();
+        file.begin(&["t", "s", "y"].map(str::to_owned), Some(0.4)).unwrap();
+        let kept = |name: &str| fs::read_to_string(directory.path().join(name)).unwrap().lines().count();
+        assert_eq!((kept("line_wake.earlier.csv"), kept("line_wake.earlier_2.csv")), (4, 2));
     }
 }

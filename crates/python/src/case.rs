@@ -6,7 +6,7 @@ use crate::{CaseError, SolveError, message, not_pickled};
 use ::case::AnyCase;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::PyMapping;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use simulation::{Destination, Existing, Failure};
 use std::path::{Path, PathBuf};
@@ -42,12 +42,13 @@ impl Drop for Held<'_> {
 impl Case {
     #[new]
     #[pyo3(signature = (path, settings=None))]
-    fn new(py: Python<'_>, path: PathBuf, settings: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        let option = |(key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
-            Ok(format!("{}={}", key.extract::<String>()?, to_toml(&value)?))
+    fn new(py: Python<'_>, path: PathBuf, settings: Option<&Bound<'_, PyMapping>>) -> PyResult<Self> {
+        let option = |item: Bound<'_, PyAny>| {
+            let (key, value): (String, Bound<'_, PyAny>) = item.extract()?;
+            Ok(format!("{key}={}", to_toml(&value)?))
         };
-        let options =
-            settings.into_iter().flat_map(|settings| settings.iter().map(option)).collect::<PyResult<Vec<_>>>()?;
+        let items = settings.map(|settings| settings.items()).transpose()?;
+        let options = items.iter().flat_map(|items| items.iter().map(option)).collect::<PyResult<Vec<_>>>()?;
         let case =
             py.detach(|| AnyCase::read(&path, &options)).map_err(|error| CaseError::new_err(message(&*error)))?;
         Ok(Case { case, is_held: AtomicBool::new(false) })
@@ -98,7 +99,9 @@ impl Case {
         if let Some(given) = on_slab.as_ref().filter(|given| !given.bind(py).is_callable()) {
             return Err(PyTypeError::new_err(format!("on_slab = {} cannot be called", given.bind(py).repr()?)));
         }
-        let pool = threads.map(pool).transpose()?;
+        // A run inside of `on_slab` is on a thread of the pool of the outer one, for which it must not wait.
+        let inner = rayon::current_thread_index().map(|_| rayon::current_num_threads() as i64);
+        let pool = threads.or(inner).map(pool).transpose()?;
         let destination = self.destination(output, existing)?;
         let _held = self.hold_controls()?;
         let line = progress.then(|| py.import("stsolve._progress")?.call_method0("Progress")).transpose()?;

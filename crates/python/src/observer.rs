@@ -2,7 +2,7 @@
 
 use crate::slab::Slab;
 use pyo3::prelude::*;
-use simulation::{NextStep, Observer, RunState};
+use simulation::{NextStep, Observer, RunState, WarningSink};
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -87,6 +87,14 @@ impl Listener {
     }
 }
 
+/// Hands a message to the logger `stsolve`.
+fn log(level: &str, message: &str) -> PyResult<()> {
+    Python::attach(|py| {
+        let logger = py.import("logging")?.call_method1("getLogger", ("stsolve",))?;
+        logger.call_method1(level, (message,)).map(drop)
+    })
+}
+
 impl Observer for Listener {
     fn begin(&self, start: f64, end: f64) {
         if let Ok(mut progress) = self.progress.lock() {
@@ -106,11 +114,12 @@ impl Observer for Listener {
     }
 
     fn say(&self, message: &str) {
-        Python::attach(|py| {
-            let log =
-                || py.import("logging")?.call_method1("getLogger", ("stsolve",))?.call_method1("info", (message,));
-            self.follow(log().map(|_| true));
-        });
+        self.follow(log("info", message).map(|()| true));
+    }
+
+    fn warnings(&self) -> Option<WarningSink> {
+        // A logger that fails does not stop a run for a warning.
+        Some(Box::new(|message| _ = log("warning", message)))
     }
 
     fn is_stop_requested(&self) -> bool {

@@ -42,14 +42,9 @@ fn written(value: &Bound<'_, PyAny>, depth: usize) -> PyResult<String> {
         let entries = value.try_iter()?.map(|entry| written(&entry?, depth + 1)).collect::<PyResult<Vec<_>>>()?;
         return Ok(format!("[{}]", entries.join(", ")));
     }
-    // A number of NumPy becomes one of Python, unless Python has no such number.
-    match value.call_method0("item") {
-        Ok(item) if !item.get_type().is(value.get_type()) => return written(&item, depth + 1),
-        _ => {}
-    }
-    // An array of NumPy becomes a list.
+    // A number of NumPy becomes one of Python, unless Python has no such number, and an array a list.
     match value.call_method0("tolist") {
-        Ok(list) if list.is_instance_of::<PyList>() => written(&list, depth + 1),
+        Ok(of_python) if !of_python.get_type().is(value.get_type()) => written(&of_python, depth + 1),
         _ => Err(PyTypeError::new_err(format!("{} is no value of a case file", value.repr()?))),
     }
 }

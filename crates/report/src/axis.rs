@@ -1,6 +1,6 @@
 //! Axes of a chart: positions of values, and the labels of ticks.
 
-use super::html::short;
+use super::html::texts_on_scale;
 
 /// An axis for values between `lower` and `upper`.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,9 +53,14 @@ impl Axis {
         Some(Axis { lower: power(lowest), upper: power(highest), ticks, first, second, logarithmic: true })
     }
 
-    /// The label of a tick.
-    pub fn name(&self, tick: f64) -> String {
-        if self.logarithmic && tick != 1.0 { format!("{tick:e}").replace('-', "\u{2212}") } else { short(tick) }
+    /// The ticks with their labels.
+    pub fn labels(&self) -> impl Iterator<Item = (f64, String)> {
+        let power = |tick: &f64| if *tick == 1.0 { "1".into() } else { format!("{tick:e}").replace('-', "\u{2212}") };
+        let labels = match self.logarithmic {
+            true => self.ticks.iter().map(power).collect(),
+            false => texts_on_scale(&self.ticks, 6),
+        };
+        self.ticks.iter().copied().zip(labels)
     }
 
     /// The position of a value.
@@ -109,7 +114,8 @@ mod tests {
         let axis = Axis::logarithmic([1e-9, 3e-2, 0.0, -1.0].into_iter(), 0.0, 8.0).unwrap();
         assert_eq!((axis.lower, axis.upper), (1e-9, 0.1));
         assert_eq!(axis.ticks, [1e-9, 1e-7, 1e-5, 1e-3, 1e-1]);
-        assert_eq!([1e-9, 1.0, 1e3].map(|tick| axis.name(tick)), ["1e\u{2212}9", "1", "1e3"]);
+        let labels: Vec<String> = axis.labels().map(|(_, label)| label).collect();
+        assert_eq!(labels, ["1e\u{2212}9", "1e\u{2212}7", "1e\u{2212}5", "1e\u{2212}3", "1e\u{2212}1"]);
         assert!((axis.place(1e-6) - 3.0).abs() < 1e-12 && axis.place(0.0).is_infinite());
     }
 

@@ -103,32 +103,30 @@ fn path(points: &[(f64, f64)], number: usize) -> String {
 
 /// Ticks and labels of the axis of time.
 fn horizontal(axis: &Axis) -> String {
-    let tick = |&value: &f64| {
+    let tick = |(value, text): (f64, String)| {
         let x = axis.place(value);
         format!(
             "<line class=\"grid\" x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{TOP}\" y2=\"{BOTTOM}\"/><text class=\"x\" x=\"{x:.1}\" \
-             y=\"{:.1}\">{}</text>\n",
-            BOTTOM + 15.0,
-            short(value)
+             y=\"{:.1}\">{text}</text>\n",
+            BOTTOM + 15.0
         )
     };
     let label = format!("<text class=\"x\" x=\"{:.1}\" y=\"{:.1}\">t</text>\n", 0.5 * (LEFT + RIGHT), HEIGHT - 3.0);
-    axis.ticks.iter().map(tick).collect::<String>() + &label
+    axis.labels().map(tick).collect::<String>() + &label
 }
 
 /// Ticks and labels of the axis of values.
 fn vertical(axis: &Axis) -> String {
-    let tick = |&value: &f64| {
+    let tick = |(value, text): (f64, String)| {
         let y = axis.place(value);
         format!(
             "<line class=\"grid\" x1=\"{LEFT}\" x2=\"{RIGHT}\" y1=\"{y:.1}\" y2=\"{y:.1}\"/><text class=\"y\" x=\"{:.1}\" \
-             y=\"{:.1}\">{}</text>\n",
+             y=\"{:.1}\">{text}</text>\n",
             LEFT - 6.0,
-            y + 3.8,
-            axis.name(value)
+            y + 3.8
         )
     };
-    axis.ticks.iter().map(tick).collect()
+    axis.labels().map(tick).collect()
 }
 
 fn legend(curves: &[Curve]) -> String {

@@ -5,7 +5,7 @@ use super::document::missing;
 use super::groups::Scale;
 use super::html::escaped;
 
-/// Values of this size are round-off, such as the heat that an adiabatic wall takes.
+/// Coefficients of this size are round-off, such as the lift of a symmetric body. Quantities with units have no such size.
 const ROUND_OFF: f64 = 1e-13;
 
 /// A chart: curves that share their axes.
@@ -21,10 +21,10 @@ pub struct Chart {
 }
 
 impl Chart {
-    /// Whether there are numbers, and all of them are zero. Where the scale is linear, round-off is zero.
+    /// Whether there are numbers, and all of them are zero.
     fn is_zero(&self) -> bool {
         let values = || self.curves.iter().flat_map(|curve| &curve.values);
-        let largest = if self.scale == Scale::Linear { ROUND_OFF } else { 0.0 };
+        let largest = if self.title.ends_with("coefficients") { ROUND_OFF } else { 0.0 };
         values().next().is_some() && values().all(|value| value.abs() <= largest)
     }
 
@@ -81,8 +81,12 @@ mod tests {
 
     #[test]
     fn charts_of_zeros_are_named() {
-        let page = arranged(&[of("lift", false, 1.0), of("heat & work", false, 3e-19), of("repairs", true, 0.0)]);
+        let coefficients = of("foil & tail: coefficients", false, 3e-19);
+        let page = arranged(&[of("lift", false, 1.0), coefficients, of("repairs", true, 0.0)]);
         assert_eq!(page.matches("<figure").count(), 1);
-        assert!(page.contains("Zero at all times: heat &amp; work; repairs.") && !page.contains("details"), "{page}");
+        let told = "Zero at all times: foil &amp; tail: coefficients; repairs.";
+        assert!(page.contains(told) && !page.contains("details"), "{page}");
+        // The mass of a cube of a micrometre was called zero.
+        assert!(!arranged(&[of("Mass", false, 1.2e-18)]).contains("Zero"));
     }
 }

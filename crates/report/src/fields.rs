@@ -132,15 +132,13 @@ fn of_state<const D: usize, const M: usize>(field: Field, medium: &Medium, u: &[
         Field::Velocity => out.extend((0..3).map(|d| state.velocity.get(d).copied().unwrap_or(0.0))),
         Field::Pressure => out.push(state.pressure),
         Field::Temperature => out.push(gas.temperature(state.density, state.pressure)),
-        Field::Mach => {
-            out.push(tensor::norm(&state.velocity) / gas.sound_speed(state.density, state.pressure));
-        }
+        Field::Mach => out.push(gas.mach(&state)),
         Field::PressureCoefficient => {
             out.push(medium.reference.map_or(f64::NAN, |[pressure, dynamic]| (state.pressure - pressure) / dynamic));
         }
         Field::TotalPressure => out.push(total_state(gas, &state)[0]),
         Field::TotalTemperature => out.push(total_state(gas, &state)[1]),
-        Field::Entropy => out.push(state.pressure.ln() - gas.gamma() * state.density.ln()),
+        Field::Entropy => out.push(gas.entropy(state.density, state.pressure)),
         // Not of the state at a point.
         _ => {}
     }

@@ -50,11 +50,21 @@ pub fn with_digits(value: f64, digits: usize) -> String {
     without_zeros(&format!("{value:.digits$}")).replace('-', "\u{2212}")
 }
 
-/// The texts of values in a legend: three digits, more where values would look alike.
-pub fn legend_texts(values: &[f64]) -> Vec<String> {
+/// A text may differ from its value by this part of the distance to the next value.
+const READING_ERROR: f64 = 0.01;
+
+/// The texts of values along a scale: `least` digits, more where a text would stand for a place that is seen to be another one.
+pub fn texts_on_scale(values: &[f64], least: usize) -> Vec<String> {
     let texts = |digits| values.iter().map(|value| with_digits(*value, digits)).collect::<Vec<_>>();
-    let differ = |texts: &Vec<String>| texts.windows(2).all(|pair| pair[0] != pair[1]);
-    (3..=12).map(texts).find(differ).unwrap_or_else(|| texts(6))
+    let to_next = |k: usize| {
+        let neighbours = [k.wrapping_sub(1), k + 1].into_iter().filter_map(|other| values.get(other));
+        neighbours.map(|other| (other - values[k]).abs()).fold(f64::INFINITY, f64::min)
+    };
+    let is_exact = |(k, text): (usize, &String)| {
+        let read: f64 = text.replace('\u{2212}', "-").parse().unwrap_or(f64::NAN);
+        (read - values[k]).abs() <= READING_ERROR * to_next(k)
+    };
+    (least..=15).map(texts).find(|texts| texts.iter().enumerate().all(is_exact)).unwrap_or_else(|| texts(6))
 }
 
 fn without_zeros(number: &str) -> &str {
@@ -81,10 +91,16 @@ mod tests {
     }
 
     #[test]
-    fn legends_have_three_digits_or_as_many_as_differ() {
-        assert_eq!(legend_texts(&[0.123_456, 0.2, 1234.6]), ["0.123", "0.2", "1235"]);
-        assert_eq!(legend_texts(&[0.99998, 1.0, 1.00002]), ["0.99998", "1", "1.00002"]);
-        assert_eq!(legend_texts(&[0.5, 0.5]), ["0.5", "0.5"]);
+    fn scales_have_as_many_digits_as_their_places_need() {
+        let legend = |values: &[f64]| texts_on_scale(values, 3);
+        assert_eq!(legend(&[0.123_456, 0.2, 1234.6]), ["0.123", "0.2", "1235"]);
+        assert_eq!(legend(&[0.99998, 1.0, 1.00002]), ["0.99998", "1", "1.00002"]);
+        assert_eq!(legend(&[0.5, 0.5]), ["0.5", "0.5"]);
+        // These read 101324, 101325, 101326 and 2.98, 2.99, 3; ticks of a late time were all 1e6.
+        assert_eq!(legend(&[101_324.5, 101_325.0, 101_325.5]), ["101324.5", "101325", "101325.5"]);
+        assert_eq!(legend(&[2.985, 2.99, 2.995]), ["2.985", "2.99", "2.995"]);
+        assert_eq!(texts_on_scale(&[-1e6, -999_999.5], 6), ["\u{2212}1e6", "\u{2212}999999.5"]);
+        assert_eq!(texts_on_scale(&[1_000_000.2, 1_000_000.4], 6), ["1.0000002e6", "1.0000004e6"]);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::axis;
 use super::document::fill;
-use super::html::{escaped, legend_texts, with_digits};
+use super::html::{escaped, texts_on_scale, with_digits};
 use super::pictures::{ColourMap, Cut, Encoded, PictureQuantity, Pictures, Range, Window, css};
 use serde_json::{Value, json};
 
@@ -56,7 +56,7 @@ pub fn data(pictures: &Pictures) -> Value {
 /// A quantity and its legend.
 fn quantity((quantity, range): &(PictureQuantity, Range), dimension: usize) -> Value {
     let ticks = axis::linear_ticks(range.lower, range.upper);
-    let texts = legend_texts(&ticks);
+    let texts = texts_on_scale(&ticks, 3);
     let tick = |(value, text): (&f64, &String)| json!([(value - range.lower) / (range.upper - range.lower), text]);
     json!({
         "label": quantity.label(dimension), "lower": range.lower, "upper": range.upper,

@@ -1,6 +1,7 @@
 //! From a checked case to the problem of the numerics.
 
 mod mesh_motion;
+mod no_slip_walls;
 mod structure;
 
 pub use mesh_motion::{PrescribedNode, elasticity_plan, mover, mover_of, prescribed_nodes};
@@ -8,15 +9,15 @@ pub use structure::{StructureAtStart, solid, structure_at_start, structure_march
 
 use super::bodies::bodies;
 use super::fallback::split_form;
-use case::{BoundaryData, Case, Flow, Jacobian, Preconditioner, Predictor, Source, State};
+use case::{BoundaryData, Case, Flow, Jacobian, Preconditioner, Predictor, Source};
 use coupled::{
-    Discretisation, Discretised, FlowMarch, LaggedPreconditioner, MeshMotion, MeshMover, Method, Schedule, StartLayer,
-    System,
+    Discretisation, Discretised, FlowMarch, LaggedPreconditioner, MeshMotion, MeshMover, Method, Schedule, System,
 };
 use elasticity::ElasticityError;
 use fem::{Orders, Problem, Share, SlabOperator, StateField};
 use mesh::NodeNumbering;
-use navier_stokes::{Boundary, Compiled, Exact, ExactState, Manufactured, NavierStokes, Riemann};
+use navier_stokes::{Compiled, Exact, Manufactured, NavierStokes, Riemann};
+use no_slip_walls::{contradicts, layer_at, no_slip_walls};
 use std::sync::Arc;
 
 /// The march of a case with a flow, at its start.
@@ -26,9 +27,6 @@ use std::sync::Arc;
 pub fn march<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Result<FlowMarch<D, M>, ElasticityError>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     march_of(case, flow, mover(case)?, Share::whole(&case.mesh))
 }
@@ -44,9 +42,6 @@ pub fn march_with_motion<const D: usize, const M: usize>(
 ) -> Result<FlowMarch<D, M>, ElasticityError>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
     let mover = MeshMover::new(motion, case.mesh.clone(), numbering, case.time.order);
@@ -62,8 +57,6 @@ pub fn operator<const D: usize, const M: usize>(
 ) -> SlabOperator<D, M>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     let orders = Orders { flow: flow.order, mesh: case.mesh.order(), time: case.time.order };
     let mut operator =
@@ -84,9 +77,6 @@ pub fn march_of<const D: usize, const M: usize>(
 ) -> Result<FlowMarch<D, M>, ElasticityError>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     let operator = operator(case, flow, &mover, share);
     let u = initial(case, flow, &operator, &mover);
@@ -94,7 +84,11 @@ where
     let mut march = FlowMarch::new(system, u, settings(case));
     // A given thickness stays, and a run that continues another one has its boundary layers.
     if case.solver.start_layer.is_none() && case.solver.steady.is_none() && case.restart.is_none() {
-        march.solver.start_layer = start_layer(flow);
+        let mover = march.solver.system.mover();
+        let walls = no_slip_walls(case, flow, mover);
+        if contradicts::<D, M>(&walls, flow, mover, case.time.start) {
+            march.solver.start_layer = layer_at(&walls);
+        }
     }
     Ok(march)
 }
@@ -131,8 +125,6 @@ pub fn discretise_anew<const D: usize, const M: usize>(
 ) -> Result<(), ElasticityError>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     let former = &mut march.solver.system;
     // First, so that there are never two.
@@ -153,24 +145,13 @@ pub fn initial<const D: usize, const M: usize>(
     flow: &Flow<D>,
     operator: &SlabOperator<D, M>,
     mover: &MeshMover<D>,
-) -> Vec<f64>
-where
-    Exact<State<D>>: StateField<D, M>,
-{
+) -> Vec<f64> {
     let start = case.time.start;
     let mut u = coupled::interpolate(operator, &Exact(flow.initial.clone()), start);
     if let Some(thickness) = case.solver.start_layer.filter(|thickness| *thickness > 0.0) {
-        start_layer(flow).apply(operator, (mover, start), thickness, &mut u);
+        layer_at(&no_slip_walls(case, flow, mover)).apply(operator, mover, thickness, &mut u);
     }
     u
-}
-
-/// The layer at the walls to which gas sticks.
-fn start_layer<const D: usize>(flow: &Flow<D>) -> StartLayer {
-    let sticks = |wall: &&case::Wall<D>| {
-        matches!(flow.boundary[wall.boundary].condition, Boundary::AdiabaticWall(_) | Boundary::IsothermalWall(_))
-    };
-    StartLayer::new(flow.walls.iter().filter(sticks).map(|wall| wall.boundary).collect())
 }
 
 fn method(preconditioner: Preconditioner) -> Method {
@@ -190,8 +171,6 @@ pub fn steady<const D: usize, const M: usize>(
 ) -> Discretised<D, M>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     let Discretisation { order, time_order, dissipative } = discretisation;
     let riemann = if dissipative { Riemann::LaxFriedrichs } else { flow.law.riemann };
@@ -211,8 +190,6 @@ where
 fn problem<const D: usize, const M: usize>(flow: &Flow<D>) -> Problem<D, M>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     let data = flow.boundary.iter().map(BoundaryData::field).collect();
     let conditions = flow.boundary.iter().map(|boundary| boundary.condition).collect();
@@ -220,10 +197,7 @@ where
 }
 
 /// The source of a flow.
-fn source<const D: usize, const M: usize>(flow: &Flow<D>) -> Option<Arc<dyn StateField<D, M>>>
-where
-    Manufactured<State<D>, D>: StateField<D, M>,
-{
+fn source<const D: usize, const M: usize>(flow: &Flow<D>) -> Option<Arc<dyn StateField<D, M>>> {
     let source = flow.source.as_ref()?;
     if let Some(formulas) = source.formulas() {
         return Some(Arc::new(formulas.clone()));

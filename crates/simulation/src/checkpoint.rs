@@ -33,15 +33,7 @@ pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> Solv
     ];
     out.integers.extend(counters.map(|(name, value)| (name.to_string(), value as i64)));
     let pending = state.pending.iter().flat_map(numbers).collect();
-    let mut share = |name: &str, values: Arc<Vec<f64>>| drop(out.arrays.insert(name.to_string(), values));
-    if let Some(past) = &state.past {
-        share(PAST_FLOW, past.u.clone());
-        share("past.mesh_velocity", past.v.clone());
-    }
-    if let Some(frozen) = frozen {
-        share(FROZEN_FLOW, frozen.state.clone());
-    }
-    let mut put = |name: &str, values: Vec<f64>| share(name, Arc::new(values));
+    let mut put = |name: &str, values: Vec<f64>| drop(out.arrays.insert(name.to_string(), values.into()));
     put("time", vec![state.time]);
     put(FLOW, state.u.clone());
     put("displacement", state.d.clone());
@@ -53,22 +45,34 @@ pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> Solv
         put("eased_start", [&[*attempts as f64, *thickness], &totals[..]].concat());
     }
     state.bodies.iter().enumerate().for_each(|(body, stored)| put(&format!("body.{body}"), stored.clone()));
-    if let Some(past) = &state.past {
-        put("past.interval", numbers(&past.interval).to_vec());
-        put("past.displacement", past.bottom.clone());
-        past.bodies.iter().enumerate().for_each(|(body, z)| put(&format!("past.body.{body}"), z.clone()));
-    }
-    if let Some(frozen) = frozen {
-        let Linearisation { interval, built_for, ordering, .. } = frozen;
-        put("frozen.numbers", vec![interval.0, interval.1, built_for.dt, built_for.damping]);
-        put("frozen.coarse_level", vec![f64::from(u8::from(frozen.coarse_level))]);
-        put("frozen.displacement", frozen.bottom.clone());
-        put("frozen.mesh_velocity", frozen.velocities.clone());
-        put("frozen.cells", ordering.cells.iter().map(|&cell| cell as f64).collect());
-        put("frozen.level_ends", ordering.level_ends.iter().map(|&end| end as f64).collect());
-        put("frozen.stage_ends", ordering.stage_ends().into_iter().map(|end| end as f64).collect());
-    }
+    state.past.iter().for_each(|past| store_past(past, &mut out.arrays));
+    frozen.iter().for_each(|frozen| store_frozen(frozen, &mut out.arrays));
     out
+}
+
+/// Adds the slab before. [`past`] reads it.
+fn store_past(past: &Past, arrays: &mut Arrays) {
+    let mut put = |name: &str, values: Arc<Vec<f64>>| drop(arrays.insert(name.to_string(), values));
+    put(PAST_FLOW, past.u.clone());
+    put("past.mesh_velocity", past.v.clone());
+    put("past.interval", numbers(&past.interval).to_vec().into());
+    put("past.displacement", past.bottom.clone().into());
+    past.bodies.iter().enumerate().for_each(|(body, z)| put(&format!("past.body.{body}"), z.clone().into()));
+}
+
+/// Adds the linearisation of the preconditioner. [`frozen`] reads it.
+fn store_frozen(frozen: &Linearisation, arrays: &mut Arrays) {
+    let Linearisation { start, dt, built_for, ordering, .. } = frozen;
+    let mut put = |name: &str, values: Arc<Vec<f64>>| drop(arrays.insert(name.to_string(), values));
+    let indices = |indices: &[usize]| Arc::new(indices.iter().map(|&index| index as f64).collect::<Vec<f64>>());
+    put(FROZEN_FLOW, frozen.state.clone());
+    put("frozen.numbers", vec![*start, *dt, built_for.dt, built_for.damping].into());
+    put("frozen.coarse_level", vec![f64::from(u8::from(frozen.coarse_level))].into());
+    put("frozen.displacement", frozen.bottom.clone().into());
+    put("frozen.mesh_velocity", frozen.velocities.clone().into());
+    put("frozen.cells", indices(&ordering.cells));
+    put("frozen.level_ends", indices(&ordering.level_ends));
+    put("frozen.stage_ends", indices(&ordering.stage_ends()));
 }
 
 /// The array with what rejected attempts at the next slab have cost.
@@ -144,12 +148,16 @@ pub fn incomplete() -> Failure {
 }
 
 /// The last slab of a run ends with the run and may be shorter than the others. If the run is continued, the rest of that
-/// slab is done first, or after the parts of it that remain. Adapted slabs are not counted, so this does not apply to them.
+/// slab is done first, or after the parts of it that remain. Nothing goes beyond the present end of the run. Adapted slabs are not counted, so this does not apply to them.
 fn reopen_short_slab(state: &mut State, time: &Time) {
     if time.control.is_some() {
         return;
     }
     let tolerance = 1e-9 * time.step;
+    for part in &mut state.pending {
+        part.end = part.end.min(time.end);
+    }
+    state.pending.retain(|part| part.length() > tolerance);
     if let Some(&last) = state.pending.first() {
         let end = time.end.min(time.start + time.step * (state.nominal + 1) as f64);
         if end - last.end > tolerance {
@@ -157,7 +165,7 @@ fn reopen_short_slab(state: &mut State, time: &Time) {
         }
         return;
     }
-    let full_end = time.start + time.step * state.nominal as f64;
+    let full_end = time.end.min(time.start + time.step * state.nominal as f64);
     if state.nominal > 0 && full_end - state.time > tolerance {
         state.nominal -= 1;
     }
@@ -175,7 +183,7 @@ fn past(arrays: &Arrays) -> Option<Past> {
     let shared = |name: &str| arrays.get(&format!("past.{name}")).cloned();
     let get = |name: &str| shared(name).map(Arc::unwrap_or_clone);
     let interval = get("interval").filter(|numbers| numbers.len() == 3).map(|numbers| interval(&numbers))?;
-    let dt = interval.end - interval.start;
+    let dt = interval.length();
     let bodies = bodies(arrays, "past.body");
     let (u, v) = (shared("flow")?, shared("mesh_velocity")?);
     Some(Past { interval, dt, bottom: get("displacement")?, u, v, bodies })
@@ -192,7 +200,8 @@ fn frozen(arrays: &Arrays) -> Option<Linearisation> {
     let indices = |name: &str| get(name).map(|values| values.iter().map(|&x| x as usize).collect::<Vec<_>>());
     let &[start, dt, built_dt, damping] = &get("numbers")?[..] else { return None };
     Some(Linearisation {
-        interval: (start, dt),
+        start,
+        dt,
         bottom: get("displacement")?,
         velocities: get("mesh_velocity")?,
         state: shared("flow")?,
@@ -238,7 +247,8 @@ mod tests {
             ..State::new(0.2, vec![4.0; 4], vec![5.0; 3])
         };
         let frozen = Linearisation {
-            interval: (0.1, 0.1),
+            start: 0.1,
+            dt: 0.1,
             bottom: vec![6.0; 3],
             velocities: vec![7.0; 6],
             state: vec![8.0; 8].into(),

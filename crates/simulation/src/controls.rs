@@ -157,15 +157,15 @@ pub fn set_present<const D: usize>(case: &Case<D>, statistics: &RunStatistics) {
 }
 
 /// The values that the other ranks need before a slab; None without controls.
-pub fn told<const D: usize>(case: &Case<D>) -> Option<SolverState> {
+pub fn message<const D: usize>(case: &Case<D>) -> Option<SolverState> {
     let mut state = SolverState::default();
     state.arrays.insert(NOW.to_owned(), values(case).into());
     (!case.controls.is_empty()).then_some(state)
 }
 
-/// Sets what [`told`] has told.
-pub fn hear<const D: usize>(case: &Case<D>, told: &SolverState) {
-    if let Some(values) = told.arrays.get(NOW) {
+/// Sets the values of a [`message`].
+pub fn receive<const D: usize>(case: &Case<D>, message: &SolverState) {
+    if let Some(values) = message.arrays.get(NOW) {
         set(case, Some(values));
     }
 }

@@ -38,17 +38,17 @@ use super::memory_estimate::require_memory;
 use super::{Failure, build, controls};
 use crate::averages::AverageSums;
 use agreement::{digest, first_other};
-use case::{Averages, Case, Flow, State};
+use case::{Averages, Case, Flow};
 use coupled::{FlowMarch, SlabReport};
-use fem::{Blocks, Bottom, Share, StateField};
+use fem::{Blocks, Bottom, Share};
 use mesh::MeshError;
-use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use navier_stokes::{Compiled, NavierStokes};
 use ranks::{Communicator, Sums};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What rank 0 orders. On one rank nobody listens.
+/// Sends the commands of rank 0 to the other ranks. With one rank it sends nothing.
 pub struct Crew {
     /// The block of every cell; empty where the mesh is one block.
     blocks: Vec<usize>,
@@ -75,9 +75,6 @@ pub fn start<const D: usize, const M: usize>(
 ) -> Result<(FlowMarch<D, M>, Crew), Failure>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     orders.give(Order::Build, None);
     let march = march::<D, M>(case, flow, orders.communicator())?;
@@ -95,7 +92,7 @@ impl Crew {
         case: &Case<D>,
         march: &mut FlowMarch<D, M>,
     ) -> anyhow::Result<Option<SlabReport<M>>> {
-        self.orders.give(Order::Advance, controls::told(case).as_ref());
+        self.orders.give(Order::Advance, controls::message(case).as_ref());
         advance(march)
     }
 
@@ -178,9 +175,6 @@ fn march<const D: usize, const M: usize>(
 ) -> Result<FlowMarch<D, M>, Failure>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     agree(&**communicator, require_memory(case, communicator.size()))?;
     agree(&**communicator, require_distinct_columns(case))?;
@@ -195,9 +189,6 @@ fn march_of_share<const D: usize, const M: usize>(
 ) -> anyhow::Result<FlowMarch<D, M>>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     let sums = Arc::new(Sums::new(communicator.clone(), case.blocks));
     let mover = build::mover_of(case, sums.clone())?;

@@ -23,10 +23,9 @@ use crate::session::Session;
 use begin::{
     begin, continue_surfaces, cut_files, open_files, restore, take_over, warn_of_averages, warn_of_end, warn_of_frame,
 };
-use case::{AnyCase, Case, State};
+use case::{AnyCase, Case};
 use end::{close, verdict};
-use fem::StateField;
-use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use navier_stokes::{Compiled, NavierStokes};
 use output::Summary;
 use ranks::{Alone, Communicator};
 use slabs::run_slabs;
@@ -99,9 +98,6 @@ fn run_in<const D: usize, const M: usize>(
 ) -> Result<Summary, Failure>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     match (&case.flow, &case.structure) {
         (Some(flow), _) => run_flow::<D, M>(case, flow, destination, observer, orders),

@@ -9,11 +9,10 @@
 //! The state before the halvings matters: in our tests a flow that had gone on by short slabs was lost in any form.
 
 use super::{build, checkpoint};
-use case::{Case, Fallback, Flow, State};
+use case::{Case, Fallback, Flow};
 use coupled::{Counts, FlowMarch};
 use elasticity::ElasticityError;
-use fem::StateField;
-use navier_stokes::{Compiled, Exact, Manufactured, NavierStokes};
+use navier_stokes::{Compiled, NavierStokes};
 use output::{Arrays, Checkpoint, SolverState};
 use std::borrow::Cow;
 
@@ -56,8 +55,6 @@ pub fn follow<const D: usize, const M: usize>(
 ) -> Result<bool, ElasticityError>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     let Some(split) = since(&stored.arrays).and_then(|_| flow.in_split_form(&case.mesh)) else { return Ok(false) };
     build::discretise_anew(case, &split, march)?;

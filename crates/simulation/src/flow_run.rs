@@ -22,11 +22,11 @@ use crate::error::Failure;
 use crate::observer::{Observer, SlabDone};
 use crate::session::Session;
 use basis::Rule;
-use case::{Case, Flow, State};
+use case::{Case, Flow};
 use coupled::block::BodyState;
 use coupled::{Counts, FlowMarch, MarchError, SlabError, SlabReport};
-use fem::{Layout, StateField};
-use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use fem::Layout;
+use navier_stokes::{Compiled, NavierStokes};
 use output::{ArraySpec, Checkpoint, OutputError, Summary};
 use std::borrow::Cow;
 use std::ops::Range;
@@ -47,9 +47,6 @@ pub fn run_flow<const D: usize, const M: usize>(
 ) -> Result<Summary, Failure>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     let begun = Instant::now();
     controls::check(case)?;
@@ -87,9 +84,6 @@ struct FlowRun<'a, const D: usize, const M: usize> {
 impl<const D: usize, const M: usize> FlowRun<'_, D, M>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     /// The layout of the flow of all cells in a slab.
     fn layout(&self) -> Layout {
@@ -127,9 +121,6 @@ where
 impl<const D: usize, const M: usize> Run for FlowRun<'_, D, M>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     type Report = SlabReport<M>;
 
@@ -221,7 +212,7 @@ where
             time: self.state().time,
             newton: report.newton.steps.len(),
             krylov: report.newton.krylov_iterations,
-            residual: report.residual_norms[1] / report.residual_norms[0].max(f64::MIN_POSITIVE),
+            residual: report.relative_residual(),
         });
         let bodies = self.march.bodies();
         add_slab(self.case, &self.flow, &self.march, &mut self.averages);

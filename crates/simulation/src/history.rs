@@ -146,14 +146,14 @@ fn columns_of_structure<const D: usize>(case: &Case<D>, structure: &Structure<D>
 /// A row of the mesh alone.
 pub fn row_of_mesh(interval: Interval, iterations: usize, quality: &MeshQuality) -> Vec<f64> {
     let MeshQuality { lower_bound, sampled_min, scaled_jacobian, .. } = *quality;
-    vec![interval.end, interval.end - interval.start, iterations as f64, lower_bound, sampled_min, scaled_jacobian]
+    vec![interval.end, interval.length(), iterations as f64, lower_bound, sampled_min, scaled_jacobian]
 }
 
 /// A row of a structure, up to its points; `balance` includes the slab.
 pub fn row_of_structure(report: &StructureReport, balance: &EnergyBalance) -> Vec<f64> {
     let StructureReport { interval, dynamics, kinetic_energy, strain_energy, reactions, .. } = report;
     let energy = kinetic_energy + strain_energy;
-    let time = [interval.end, interval.end - interval.start, dynamics.iterations as f64];
+    let time = [interval.end, interval.length(), dynamics.iterations as f64];
     let work = [balance.load_work, balance.support_work, balance.dissipation, balance.error(energy)];
     [&time[..], &[*kinetic_energy, *strain_energy, energy], &work, reactions].concat()
 }

@@ -81,7 +81,7 @@ impl<const D: usize> FlowIntegrals<'_, D> {
                 * match integral {
                     Integral::KineticEnergy => 0.5 * tensor::dot(&velocity, &velocity),
                     Integral::Enstrophy => 0.5 * vorticity[p],
-                    Integral::Entropy => pressure.ln() - self.gas.gamma() * density.ln(),
+                    Integral::Entropy => self.gas.entropy(density, pressure),
                     Integral::MomentumX => velocity[0],
                     Integral::MomentumY => velocity[1],
                     Integral::MomentumZ => velocity.get(2).copied().unwrap_or(0.0),

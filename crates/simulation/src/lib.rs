@@ -199,7 +199,7 @@ pub use error::Failure;
 pub use frame_checks::jump_of_centrifugal_force;
 pub use history::require_distinct_columns;
 pub use memory_estimate::{MemoryEstimate, PROGRAM_BYTES, require_memory, typical_iterations};
-pub use observer::{NextStep, Observer, Positions, RunState, SlabDone, SlabFlow};
+pub use observer::{NextStep, Observer, Positions, RunState, SlabDone, SlabFlow, WarningSink};
 pub use openings::{Misuse, Record as OpeningRecord, Seen as OpeningSeen};
 pub use preflight::Preflight;
 pub use probe::{MeshOverRun, ProbeError, Timing};

@@ -99,7 +99,9 @@ impl<const D: usize> Run for MeshRun<'_, D> {
     }
 
     fn restore(&mut self, stored: &Checkpoint) -> Result<(), Failure> {
-        checkpoint::restore(&mut self.march.state, &stored.whole()?, &self.case.time).ok_or_else(checkpoint::incomplete)
+        // The slabs of a mesh alone are not adapted.
+        let time = case::Time { control: None, ..self.case.time };
+        checkpoint::restore(&mut self.march.state, &stored.whole()?, &time).ok_or_else(checkpoint::incomplete)
     }
 
     fn summary(&mut self, context: &RunContext, stop: Option<&Stop>) -> Summary {
@@ -138,7 +140,9 @@ impl<const D: usize> MeshRun<'_, D> {
             rounded_time(*time),
             directory.display()
         );
-        let Some(Inverted { finding, start, slabs }) = &self.inverted else { return Failure::solve(error) };
+        // After a resume, the first slab that was seen inverted may be a later one: the report of the earlier one stays.
+        let of_first = self.inverted.as_ref().filter(|inverted| inverted.start <= first.time);
+        let Some(Inverted { finding, start, slabs }) = of_first else { return Failure::solve(error) };
         let case = &self.case.about.name;
         let report = FailureReport { case, error: &error, time: rounded_time(*start), slabs: *slabs, again: None };
         let hint = failure::tell(directory, finding, &report);

@@ -60,6 +60,9 @@ impl RunState<'_> {
     }
 }
 
+/// Where warnings go.
+pub type WarningSink = Box<dyn Fn(&str) + Send + Sync>;
+
 /// What a user may do with a run that is there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NextStep {
@@ -96,6 +99,10 @@ pub trait Observer: Sync {
     fn state(&self, _state: &RunState<'_>) {}
     /// A message for the user, of one line or more.
     fn say(&self, _message: &str) {}
+    /// Where the warnings of a run go if the program has no subscriber of `tracing`.
+    fn warnings(&self) -> Option<WarningSink> {
+        None
+    }
     /// No slab follows.
     fn finish(&self) {}
     /// Whether the run is to stop after the slab in hand, or after the step in hand of a search for its start, with a checkpoint.

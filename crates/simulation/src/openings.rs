@@ -3,7 +3,7 @@
 //! Measured at the start and at the end of every slab, at points of the facets of inflows and outflows.
 
 use super::failure::{Grid, Then};
-use case::{Case, Flow, State};
+use case::{Case, Flow};
 use mesh::{BoundaryFacet, Mesh, NodeNumbering, face_nodes, outward_area};
 use navier_stokes::{Boundary, ExactState, Primitive};
 use serde::Serialize;
@@ -74,7 +74,7 @@ fn misuse<const D: usize>(condition: &Boundary<D>, [w_n, v_n]: [f64; 2], c: f64,
     let found = match condition {
         Boundary::Inflow(_) | Boundary::VelocityInflow(_) if -w_n >= c => Misuse::Supersonic,
         Boundary::Inflow(_) if w_n > resting && w_n + v_n <= 0.0 => Misuse::Overtaking,
-        Boundary::Inflow(_) if w_n > resting => Misuse::Leaving,
+        Boundary::Inflow(_) | Boundary::SupersonicInflow(_) if w_n > resting => Misuse::Leaving,
         Boundary::Outflow(_) if w_n < -resting => Misuse::Backflow,
         Boundary::SupersonicInflow(_) if -w_n < c => Misuse::Subsonic,
         _ => return None,
@@ -88,10 +88,7 @@ pub fn measure<const D: usize, const M: usize>(
     mesh: &Mesh<D>,
     grid: &Grid<D>,
     then: &Then<D, M>,
-) -> Vec<Seen>
-where
-    State<D>: ExactState<D, M>,
-{
+) -> Vec<Seen> {
     let mut sums = vec![Sums::default(); flow.boundary.len()];
     for facet in mesh.boundary_facets() {
         if is_opening(&flow.boundary[facet.boundary].condition) {
@@ -112,10 +109,7 @@ where
 
 /// The observations for the initial state of `flow`, on the mesh at rest. If the run starts from a steady flow, that state is a guess,
 /// and only whether it is supersonic counts.
-pub fn at_start<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Vec<Record>
-where
-    State<D>: ExactState<D, M>,
-{
+pub fn at_start<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Vec<Record> {
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
     let grid = Grid::new(&case.mesh, &numbering, flow.order);
     let (still, time) = (vec![0.0; grid.field_len()], case.time.start);
@@ -263,8 +257,8 @@ impl Misuse {
                 format!("give the whole state: `flow.boundary.{boundary} = {{ supersonic_inflow = ... }}`")
             }
             Misuse::Leaving => format!(
-                "raise `total_pressure` of `{boundary}` above the pressure inside, or let the flow start from a state that fits it; \
-                 where it shall go on both ways, take `far_field`"
+                "raise `total_pressure` of `{boundary}` above the pressure inside, or, at a supersonic inflow, let `velocity` point into the domain; \
+                 or let the flow start from a state that fits it; where it shall go on both ways, take `far_field`"
             ),
             Misuse::Backflow => format!(
                 "move `{boundary}` downstream, out of vortices and wakes, or take `far_field` where the flow outside is known"

@@ -2,11 +2,10 @@
 
 use super::build;
 use case::memory;
-use case::{Case, Flow, State};
+use case::{Case, Flow};
 use coupled::{FlowMarch, Interval, MeshMarch, MeshQuality, SlabError};
 use elasticity::ElasticityError;
-use fem::StateField;
-use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use navier_stokes::{Compiled, NavierStokes};
 use newton_krylov::problem::{Inadmissible, NonlinearProblem};
 use std::time::Instant;
 
@@ -59,9 +58,6 @@ impl From<SlabError> for ProbeError {
 pub fn time_flow<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Result<Timing, ProbeError>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     let begun = Instant::now();
     let mut march: FlowMarch<D, M> = build::march(case, flow)?;

@@ -9,7 +9,7 @@ use coupled::MeshMover;
 use fem::functions_at;
 use mesh::{CellMap, locate_in_cell};
 use report::fields::{self, CellSample, Medium};
-use tensor::{cofactor, determinant};
+use tensor::det;
 
 /// The names of the columns.
 pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
@@ -127,7 +127,7 @@ impl<const D: usize> CellAtPoints<'_, '_, D> {
             std::array::from_fn(|j| std::array::from_fn(|m| dot_of(&u[m * nodes..], &functions[j])));
         let jacobian = CellMap::at(self.of.mover.reference.order(), xi).jacobians(&self.nodes)[0];
         let rest = self.of.mover.reference.jacobian(self.cell, xi);
-        let det = |j: &[[f64; D]; D]| determinant(j, &cofactor(j));
+        let det = |j: &[[f64; D]; D]| det(j);
         (physical(&slopes, &jacobian).iter().map(|slope| slope.to_vec()).collect(), det(&jacobian) / det(&rest))
     }
 

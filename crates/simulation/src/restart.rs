@@ -117,7 +117,6 @@ impl Origin {
         if is_other_mesh {
             forget_cells(&mut sums);
         }
-        let metadata = &self.result.metadata;
         let to = Orders { flow: flow.order, mesh: case.mesh.order(), time: case.time.order };
         let pressure_changes = gas_changed && case.allows(AllowedChange::Mach);
         let keeps_cells = !is_other_mesh && !pressure_changes && self.orders(case) == to;
@@ -131,15 +130,7 @@ impl Origin {
         warnings.extend(self.misunderstood_start(case, state.time)?);
         warnings.extend(self.unfinished_search(case, &state, &sums)?);
         let has_other_points = from.flow != to.flow || from.mesh != to.mesh || self.has_other_quadrature(case)?;
-        let (added_walls, late) = if is_other_mesh {
-            (surfaces::listed(case), late_averages(case, state.time))
-        } else if has_other_points {
-            (surfaces::listed(case), surfaces::begun_anew(case, state.time))
-        } else {
-            let added = surfaces::added(case, &metadata.case_text);
-            let late = surfaces::late_means(case, &added, state.time);
-            (added, late)
-        };
+        let (added_walls, late) = self.added_walls(case, state.time, is_other_mesh, has_other_points);
         warnings.extend(late);
         if pressure_changes {
             self.shift_pressure::<D, M>(flow, from.flow, &mut state)?;
@@ -163,6 +154,25 @@ impl Origin {
         let checkpoint = self.with_numbers_of_cells(continued, keeps_cells, keeps_averages);
         let (surfaces, begins_surfaces) = (Vec::new(), is_other_mesh || has_other_points);
         Ok(Start { checkpoint, warnings, surfaces, added_walls, begins_surfaces, searches_anew, is_measured_anew })
+    }
+
+    /// The walls whose distributions begin at the start of this run, at `time`, and a warning of that.
+    fn added_walls<const D: usize>(
+        &self,
+        case: &Case<D>,
+        time: f64,
+        is_other_mesh: bool,
+        has_other_points: bool,
+    ) -> (Vec<String>, Option<String>) {
+        if is_other_mesh {
+            return (surfaces::listed(case), late_averages(case, time));
+        }
+        if has_other_points {
+            return (surfaces::listed(case), surfaces::begun_anew(case, time));
+        }
+        let added = surfaces::added(case, &self.result.metadata.case_text);
+        let late = surfaces::late_means(case, &added, time);
+        (added, late)
     }
 
     /// A warning if the run has not finished its search for a steady flow, and this one does not search.

@@ -23,6 +23,12 @@ pub fn accept(
     reached: f64,
     fingerprint: impl Fn(&str) -> String,
 ) -> Result<(), String> {
+    let (there, here) = (&before.mesh, &now.mesh);
+    if !there.boundary_names.is_empty()
+        && (&there.boundary_names, &there.boundary_facets) != (&here.boundary_names, &here.boundary_facets)
+    {
+        return Err("the boundaries of the mesh are others, perhaps because its file has changed".to_owned());
+    }
     let differences = differences_after(&before.case_text, &now.case_text, reached);
     let is_same = before.case_fingerprint == now.case_fingerprint;
     if is_same || differences.as_ref().is_ok_and(|found| differs_in_tables_to_come(before, found, fingerprint)) {

@@ -22,36 +22,31 @@ const STEPS: usize = 60;
 
 /// The cut of the mesh with a plane, and the flow there.
 pub fn cut<const D: usize, const M: usize>(flow: &FlowAtPoints<D>, slice: &Slice<D>, source: &StateSource) -> PolyData {
-    let one_side = cut_from::<D, M>(flow, slice, source, 1.0);
-    // A plane that touches the mesh from one side only is seen from the other one.
-    let pieces = if one_side.iter().all(|piece| piece.polygons.is_empty()) {
-        cut_from::<D, M>(flow, slice, source, -1.0)
-    } else {
-        one_side
-    };
-    joined::<D>(flow, slice, &pieces)
-}
-
-/// The cut of every cell. Points on the plane count to its upper `side`.
-fn cut_from<const D: usize, const M: usize>(
-    flow: &FlowAtPoints<D>,
-    slice: &Slice<D>,
-    source: &StateSource,
-    side: f64,
-) -> Vec<Piece<D>> {
-    let plane = Plane { point: slice.point, normal: slice.normal.map(|n| side * n) };
+    let mesh = &flow.mover.reference;
+    let plane = Plane { point: slice.point, normal: slice.normal };
     let lattice = basis::equidistant_points(slice.parts + 1);
     let map = CellMap::<D>::on_grid(flow.mover.reference.order(), &lattice);
     let tetrahedra = simplices::<D>(slice.parts);
-    let heights = |cell| Some((cell, plane.heights(&map.positions(&flow.nodes(cell)))?));
-    let cut: Vec<(usize, Vec<f64>)> = (0..flow.mover.reference.n_cells()).into_par_iter().filter_map(heights).collect();
-    let state = source(cut.iter().map(|(cell, _)| *cell).collect());
-    let of_cell =
-        |(cell, heights)| Piece::of::<M>(&flow.cell(cell), &state, slice, (&plane, heights), (&lattice, &tetrahedra));
-    cut.into_par_iter().map(of_cell).collect()
+    let mut faces: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for side in mesh.boundary_facets().iter().map(|facet| facet.side) {
+        faces.entry(side.cell).or_default().push(side.face);
+    }
+    let of_plane = |cell| {
+        let heights = plane.heights(&map.positions(&flow.nodes(cell)));
+        let (plane, heights) = plane.seen(heights, faces.get(&cell).map_or(&[][..], |faces| faces), lattice.len())?;
+        Some((cell, plane, heights))
+    };
+    let cut: Vec<(usize, Plane<D>, Vec<f64>)> = (0..mesh.n_cells()).into_par_iter().filter_map(of_plane).collect();
+    let state = source(cut.iter().map(|(cell, ..)| *cell).collect());
+    let of_cell = |(cell, plane, heights): (usize, Plane<D>, _)| {
+        Piece::of::<M>(&flow.cell(cell), &state, slice, (&plane, heights), (&lattice, &tetrahedra))
+    };
+    let pieces: Vec<Piece<D>> = cut.into_par_iter().map(of_cell).collect();
+    joined::<D>(flow, slice, &pieces)
 }
 
 /// A plane with its unit normal.
+#[derive(Clone, Copy)]
 struct Plane<const D: usize> {
     point: [f64; D],
     normal: [f64; D],
@@ -62,13 +57,23 @@ impl<const D: usize> Plane<D> {
         dot(&self.normal, &std::array::from_fn(|i| x[i] - self.point[i]))
     }
 
-    /// The heights of the points of a cell at `positions`, if they lie on both sides.
-    fn heights(&self, positions: &[[f64; D]]) -> Option<Vec<f64>> {
+    /// The heights of the points of a cell at `positions`.
+    fn heights(&self, positions: &[[f64; D]]) -> Vec<f64> {
         let size = norm(&std::array::from_fn::<f64, D, _>(|i| positions[positions.len() - 1][i] - positions[0][i]));
         let snapped = |height: f64| if height.abs() <= ROUND_OFF * size { 0.0 } else { height };
-        let heights: Vec<f64> = positions.iter().map(|x| snapped(self.height(x))).collect();
-        let is_cut = heights.iter().any(|h| *h < 0.0) && heights.iter().any(|h| *h >= 0.0);
-        is_cut.then_some(heights)
+        positions.iter().map(|x| snapped(self.height(x))).collect()
+    }
+
+    /// The plane and the heights above it of a cell that it cuts. Points on the plane count to its upper side, so that a face between two cells
+    /// is cut once. Where one of the `faces` on the boundary lies on the plane and the cell above it, nothing is below: the plane is seen from
+    /// the other side. A lattice has `n` points per direction.
+    fn seen(&self, heights: Vec<f64>, faces: &[usize], n: usize) -> Option<(Self, Vec<f64>)> {
+        if heights.iter().any(|h| *h < 0.0) {
+            return heights.iter().any(|h| *h >= 0.0).then_some((*self, heights));
+        }
+        let is_on_plane = |face: &usize| mesh::face_nodes(D, n, *face).into_iter().all(|node| heights[node] == 0.0);
+        let other_side = Plane { point: self.point, normal: self.normal.map(|n| -n) };
+        faces.iter().any(is_on_plane).then(|| (other_side, heights.iter().map(|h| -h).collect()))
     }
 }
 

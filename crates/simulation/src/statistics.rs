@@ -247,7 +247,7 @@ impl RunStatistics {
         self.steady = Some(Steady {
             newton: stages.iter().map(|stage| stage.steps as u64).sum(),
             krylov: stages.iter().map(|stage| stage.iterations as u64).sum(),
-            residual: report.residual_norms[1] / report.residual_norms[0].max(f64::MIN_POSITIVE),
+            residual: report.relative_residual(),
             forces: self.forces.clone(),
             reliability: *reliability,
         });
@@ -341,6 +341,11 @@ impl RunStatistics {
             ("statistics.openings".into(), self.openings.iter().flat_map(|record| record.to_numbers()).collect()),
         ];
         sums.into_iter().map(|(name, values)| (name, values.into())).collect()
+    }
+
+    /// Whether the named numbers are those of a mesh that has become invalid.
+    pub fn has_invalid_mesh(arrays: &Arrays) -> bool {
+        arrays.get("statistics.first_invalid").is_some_and(|first| !first.is_empty())
     }
 
     /// Back from named numbers, for a run with a number of `walls`; `None` if some are missing.

@@ -3,13 +3,12 @@
 use crate::body_checks::unheld_in_equilibrium;
 use crate::build;
 use crate::observer::Observer;
-use case::{BoundaryData, Case, Flow, State, Steady, SteadyBodies, Time};
+use case::{BoundaryData, Case, Flow, Steady, SteadyBodies, Time};
 use coupled::{
     Discretisation, Equilibrium, FlowMarch, Invariants, NoEquilibrium, Search, Stage, SteadyError, SteadyFlow,
     find_equilibrium,
 };
-use fem::StateField;
-use navier_stokes::{Boundary, Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use navier_stokes::{Boundary, Compiled, NavierStokes};
 use ranks::Communicator;
 
 /// The length of the first slab of the search for an equilibrium, in time units of the flow.
@@ -46,9 +45,6 @@ pub fn find<const D: usize, const M: usize>(
 ) -> anyhow::Result<Found<M>>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     let communicator = march.solver.system.flow.operator.share.sums.communicator().clone();
     let is_stopped = || any(&*communicator, observer.is_stop_requested());
@@ -74,9 +70,6 @@ struct Task<'a, const D: usize, const M: usize> {
 impl<const D: usize, const M: usize> Task<'_, D, M>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     fn find(&mut self) -> anyhow::Result<Found<M>> {
         let found = self.search();

@@ -8,13 +8,12 @@ use super::history::openings;
 use super::openings::Misuse;
 use super::statistics::{self, RunStatistics};
 use super::walls::from_numbers;
-use case::{Case, DisplacementOf, Flow, Motion, State, Stiffness};
+use case::{Case, DisplacementOf, Flow, Motion, Stiffness};
 use coupled::block::BodyState;
 use coupled::blocks::rigid_body::{Freedom as Direction, Vec3};
 use coupled::{FlowMarch, MeshMover, StructureMarch};
 use elasticity::NaturalMode;
-use fem::StateField;
-use navier_stokes::{Coefficients, Exact};
+use navier_stokes::Coefficients;
 use newton_krylov::inner_product::largest;
 use output::{
     Body, Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Steady, SteadyStability,
@@ -28,10 +27,7 @@ pub fn of_flow<const D: usize, const M: usize>(
     (march, errors_of_cells): (&FlowMarch<D, M>, &[f64]),
     context: &RunContext,
     stop: Option<&Stop>,
-) -> Summary
-where
-    Exact<State<D>>: StateField<D, M>,
-{
+) -> Summary {
     let statistics = &context.statistics;
     let mut summary = of_mesh(case, &march.solver.system.mesh.mover, &march.state, context, stop);
     summary.unknowns.flow = Some(case.flow_unknowns());
@@ -68,10 +64,7 @@ fn conservation<const D: usize, const M: usize>(
     flow: &Flow<D>,
     errors_of_cells: &[f64],
     statistics: &RunStatistics,
-) -> Conservation
-where
-    Exact<State<D>>: StateField<D, M>,
-{
+) -> Conservation {
     // A body force keeps mass and does work.
     let is_closed = flow.source.is_none();
     Conservation {

@@ -169,6 +169,82 @@ fn slices_lie_in_their_planes_and_hold_the_values_of_the_flow() {
     assert!(!run.join("slice_boundary/slab_000000.csv").exists(), "on request only");
 }
 
+/// Three cubes: one on the other, and a third beside the upper one.
+const STEP: &str = r#"$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+2
+2 1 "wall"
+3 2 "gas"
+$EndPhysicalNames
+$Nodes
+18
+1 0 0 0
+2 1 0 0
+3 2 0 0
+4 0 1 0
+5 1 1 0
+6 2 1 0
+7 0 0 1
+8 1 0 1
+9 2 0 1
+10 0 1 1
+11 1 1 1
+12 2 1 1
+13 0 0 2
+14 1 0 2
+15 2 0 2
+16 0 1 2
+17 1 1 2
+18 2 1 2
+$EndNodes
+$Elements
+17
+1 3 2 1 1 1 2 5 4
+2 3 2 1 1 1 2 8 7
+3 3 2 1 1 2 5 11 8
+4 3 2 1 1 5 4 10 11
+5 3 2 1 1 4 1 7 10
+6 3 2 1 1 13 14 17 16
+7 3 2 1 1 7 8 14 13
+8 3 2 1 1 11 10 16 17
+9 3 2 1 1 10 7 13 16
+10 3 2 1 1 8 9 12 11
+11 3 2 1 1 14 15 18 17
+12 3 2 1 1 8 9 15 14
+13 3 2 1 1 9 12 18 15
+14 3 2 1 1 12 11 17 18
+15 5 2 2 2 1 2 5 4 7 8 11 10
+16 5 2 2 2 7 8 11 10 13 14 17 16
+17 5 2 2 2 8 9 12 11 14 15 18 17
+$EndElements
+"#;
+
+/// A plane that lies on a step has both sides of it. The part that touches it from above was missing.
+#[test]
+fn a_slice_on_a_step_is_whole() {
+    let directory = TempDir::new().unwrap();
+    let slice = |name: &str, at: f64, z: f64| {
+        format!("[output.slices.{name}]\npoint=[0,0,{at}]\nnormal=[0,0,{z}]\nfields=[\"pressure\"]\n")
+    };
+    let case = format!(
+        "[mesh]\nfile=\"step.msh\"\norder=2\n[flow]\norder=2\ngas={{gamma=1.4,mach=0.3}}\nreference={{density=1,speed=1,pressure=8}}\n\
+         initial={{uniform={{density=1,velocity=[0,0,0],pressure=8}}}}\n[flow.boundary]\nwall=\"slip_wall\"\n\
+         [time]\norder=1\nend=0.1\nslabs=1\n{}{}{}",
+        slice("up", 1.0, 1.0),
+        slice("down", 1.0, -1.0),
+        slice("floor", 0.0, 1.0)
+    );
+    fs::write(directory.path().join("step.msh"), STEP).unwrap();
+    fs::write(directory.path().join("step.toml"), case).unwrap();
+    stsolve(directory.path(), &["run", "step.toml", "--output", "run"]).expect(0, &[]);
+    for (name, expected) in [("up", 2.0), ("down", 2.0), ("floor", 1.0)] {
+        let text = fs::read_to_string(directory.path().join(format!("run/slice_{name}/slab_000001.vtp"))).unwrap();
+        assert!((area(&text) - expected).abs() < 1e-12, "{name}: {}", area(&text));
+    }
+}
+
 /// Slices of a curved mesh that moves.
 #[test]
 fn a_slice_of_curved_cells_is_plane() {

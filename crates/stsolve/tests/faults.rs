@@ -246,6 +246,20 @@ fn a_motion_that_inverts_a_cell_says_why() {
     assert!(numbers["worst_cell"]["because"].as_str().unwrap().starts_with("det J / det J_0 is -"));
 }
 
+/// A follower pressure without a value was told as round-off of thin cells, or as a flow that is not resolved.
+#[test]
+fn a_follower_pressure_that_is_no_number_says_so() {
+    let directory = TempDir::new().unwrap();
+    let set = [
+        "structure.boundary.top={follower_pressure=\"sqrt(0.0005-t)\"}",
+        "time.end=0.002",
+        "structure.natural_modes=0",
+        "solver.slab_halvings=0",
+    ];
+    let outcome = on_case(directory.path(), "run", "cantilever", &set, "run", &[]);
+    outcome.expect(1, &["the run stopped at t = 0.0004", "likely cause: the formula of a load has no finite value"]);
+}
+
 /// The load has no value beyond t = 0.0005, which is in the third slab.
 #[test]
 fn a_structure_whose_load_is_no_number_says_so() {

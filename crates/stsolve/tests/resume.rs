@@ -134,6 +134,11 @@ fn the_mesh_alone_resumes() {
 fn a_run_continues_within_a_slab() {
     let directory = TempDir::new().unwrap();
     run(directory.path(), &[], "1.0", "run", &[]);
+    // Nothing is left to do: these runs solved slabs of no or negative length, and the checkpoint was lost.
+    for end in ["1.0", "0.9", "0.7"] {
+        run(directory.path(), &[], end, "run", &["--resume"]);
+        assert_eq!(column(&directory.path().join("run"), "t").len(), 3, "{end}");
+    }
     run(directory.path(), &[], "2.0", "run", &["--resume"]);
     let run = directory.path().join("run");
     let ends: Vec<f64> = column(&run, "t").iter().map(|t| (t * 1e9).round() / 1e9).collect();
@@ -170,6 +175,26 @@ fn a_finished_run_that_is_resumed_has_the_same_errors() {
     let mut arguments = vec!["run", &case, "--output", "run", "--resume", "--set", "time.end=1"];
     MOVED.iter().for_each(|change| arguments.extend(["--set", change]));
     stsolve(at, &arguments).expect(0, &["the checkpoint is at t = 2, after the end 1: nothing is left to do"]);
+}
+
+/// A mesh file whose boundaries have changed their names was taken: the membrane was then held on its other side.
+#[test]
+fn a_mesh_with_other_boundaries_is_refused() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let mesh = std::fs::read_to_string(shipped("cooks_membrane.msh")).unwrap();
+    std::fs::copy(shipped("cooks_membrane.toml"), at.join("case.toml")).unwrap();
+    let run = |mesh: &str, slabs: u32, extra: &[&str]| {
+        std::fs::write(at.join("cooks_membrane.msh"), mesh).unwrap();
+        let (end, slabs) = (format!("time.end={}", 0.25 * f64::from(slabs)), format!("time.slabs={slabs}"));
+        let arguments = ["run", "case.toml", "--output", "run", "--set", &end, "--set", &slabs];
+        stsolve(at, &[&arguments, extra].concat())
+    };
+    run(&mesh, 2, &[]).expect(0, &[]);
+    let swapped = mesh.replace("\"left\"", "\"x\"").replace("\"right\"", "\"left\"").replace("\"x\"", "\"right\"");
+    run(&swapped, 4, &["--resume"])
+        .expect(2, &["the boundaries of the mesh are others, perhaps because its file has changed"]);
+    run(&mesh, 4, &["--resume"]).expect(0, &[]);
 }
 
 /// A case that is moved by a table of t^3 (1 - t) up to a time `end`, 0.05 apart.

@@ -67,3 +67,26 @@ pub fn cofactor<T: Real, const D: usize>(m: &[[T; D]; D]) -> [[T; D]; D] {
 pub fn determinant<T: Real, const D: usize>(m: &[[T; D]; D], cofactor: &[[T; D]; D]) -> T {
     dot(&m[0], &cofactor[0])
 }
+
+/// det(m).
+#[inline(always)]
+pub fn det<T: Real, const D: usize>(m: &[[T; D]; D]) -> T {
+    determinant(m, &cofactor(m))
+}
+
+/// q^2 / (q + width) with q = max(x, 0): zero for x <= 0, about x - width for large x, and continuously differentiable.
+#[inline(always)]
+pub fn smooth_ramp<T: Real>(x: T, width: T) -> T {
+    let q = x.max(x.zero());
+    q * q / (q + width)
+}
+
+/// The sum of the diagonal.
+#[inline(always)]
+pub fn trace<T: Real, const D: usize>(m: &[[T; D]; D]) -> T {
+    let mut sum = m[0][0];
+    for k in 1..D {
+        sum += m[k][k];
+    }
+    sum
+}

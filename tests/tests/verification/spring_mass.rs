@@ -102,7 +102,7 @@ impl Body for SpringMass {
         let [position, rate] = [vec![stored[0]], vec![stored[1]]];
         BodyState { position, rate, kinetic_energy, potential_energy, ..BodyState::default() }
     }
-    fn way(&self, z: &[f64]) -> f64 {
+    fn travel(&self, z: &[f64]) -> f64 {
         MASS * z.iter().map(|w| w * w).sum::<f64>().sqrt()
     }
     fn guess(&mut self, _: Option<(&[f64], f64)>, exchange: &mut Exchange, z: &mut [f64]) {

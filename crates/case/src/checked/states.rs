@@ -137,7 +137,7 @@ fn check_signs(checker: &Checker<'_>, key: &Key, raw: &raw::FreeStream) -> Check
 const HIGHEST_MACH: f64 = 100.0;
 
 fn check_mach<const D: usize>(checker: &Checker<'_>, key: &Key, stream: &Primitive<f64, D>, gas: Gas) -> Checked<()> {
-    let mach = tensor::norm(&stream.velocity) / gas.sound_speed(stream.density, stream.pressure);
+    let mach = gas.mach(stream);
     let accepted = format!("a velocity of at most {HIGHEST_MACH} times the speed of sound, sqrt(gamma p / rho)");
     checker.require(key, &format!("the Mach number, {mach:.4e},"), mach <= HIGHEST_MACH, &accepted)
 }

@@ -62,13 +62,9 @@ fn read(checker: &Checker<'_>, key: &Key, file: &Path, column: Option<&Column>) 
     let refused = |cause| checker.error(&file_key, cause);
     let text = input_file::read_text(&path, LARGEST_TABLE)
         .map_err(|error| refused(Cause::File { path: path.clone(), error }))?;
+    let (names_line, names) = heading(&text);
     let lines = text.lines().enumerate().map(|(index, line)| ((index + 1, line.trim()), entries(line)));
-    let mut lines = lines.filter(|(_, entries)| !entries.is_empty()).peekable();
-    let mut head = || lines.next_if(|(_, entries)| entries.iter().all(|entry| number(entry).is_none()));
-    let (names_line, names): (usize, Vec<String>) =
-        head().map(|((line, _), names)| (line, names.into_iter().map(str::to_owned).collect())).unwrap_or_default();
-    // A line of units may follow.
-    while head().is_some() {}
+    let lines = lines.filter(|(_, entries)| !entries.is_empty()).skip_while(|(_, entries)| has_no_number(entries));
     let by_name = matches!(column, Some(Column::Name(_)));
     let column = column.map_or(Ok(1), |column| place(checker, &key.child("column"), column, &names))?;
     let (mut t, mut values) = (Vec::new(), Vec::new());
@@ -92,6 +88,22 @@ fn read(checker: &Checker<'_>, key: &Key, file: &Path, column: Option<&Column>) 
         values.push(value);
     }
     Ok((t, values))
+}
+
+/// The line and the names of the columns: the first line above the numbers, which a line of units may follow. If all lines there are comments,
+/// the last of them.
+fn heading(text: &str) -> (usize, Vec<String>) {
+    let lines = text.lines().enumerate().take_while(|(_, line)| has_no_number(&entries(line)));
+    let named = |(index, line): (usize, &str)| {
+        let names: Vec<String> = entries(line).into_iter().map(str::to_owned).collect();
+        (!names.is_empty()).then_some((index + 1, names))
+    };
+    let uncommented = |(index, line)| (index, str::trim_start(line).trim_start_matches('#'));
+    lines.clone().find_map(named).or_else(|| lines.map(uncommented).filter_map(named).last()).unwrap_or_default()
+}
+
+fn has_no_number(entries: &[&str]) -> bool {
+    entries.iter().all(|entry| number(entry).is_none())
 }
 
 /// The index of a column, by its number from 1 or by its name, with or without the unit behind it.

@@ -97,8 +97,8 @@ pub(super) fn check(checker: &Checker<'_>, raw: &raw::Time, begins_steady: bool)
     Ok(Time { order: raw.order, start: raw.start, end: end(raw, step, slabs), step, slabs, control })
 }
 
-/// The length of so many equal slabs. Where a decimal number is as good as the quotient it is that one: then a later end with as many more slabs
-/// has the same length, to the bit.
+/// The length of `slabs` equal slabs. It is rounded to a short decimal number if that changes the end by round-off only: a later end with more
+/// slabs then has the same length, to the bit.
 pub(crate) fn length_of_slabs(duration: f64, slabs: usize) -> f64 {
     let quotient = duration / slabs as f64;
     let decimal = rounded_time(quotient);
@@ -107,13 +107,13 @@ pub(crate) fn length_of_slabs(duration: f64, slabs: usize) -> f64 {
 }
 
 /// The largest shift of the ends of a slab by round-off of the time, as a fraction of its length.
-const ROUND_OFF: f64 = 1e-3;
+const LARGEST_SHIFT: f64 = 1e-3;
 
 /// Checks that slabs of `length`, which follows from the value at `key`, are longer than the round-off of time. A run with shorter ones
 /// makes no progress.
 fn check_resolved(checker: &Checker<'_>, key: &Key, raw: &raw::Time, length: f64) -> Checked<()> {
     let latest = raw.start.abs().max(raw.end.abs());
-    let shortest = f64::EPSILON * latest / ROUND_OFF;
+    let shortest = f64::EPSILON * latest / LARGEST_SHIFT;
     if length >= shortest {
         return Ok(());
     }

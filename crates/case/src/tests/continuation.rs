@@ -73,6 +73,20 @@ fn a_difference_tells_both_values() {
     assert!(differences("order = 4", &about(&[])).is_err(), "a text of another version");
 }
 
+/// Long texts that differ at their ends were shown alike.
+#[test]
+fn long_texts_are_shown_where_they_differ() {
+    let (before, now) = ("density + ".repeat(30) + "0.1*pressure", "density + ".repeat(30) + "0.2*pressure");
+    let difference = Difference { key: "a".to_owned(), before: Some(before), now: Some(now) };
+    let [before, now] = difference.shortened();
+    assert!(
+        before.starts_with("... ") && before.ends_with("0.1*pressure") && now.ends_with("0.2*pressure"),
+        "{before}"
+    );
+    let none = Difference { before: None, ..difference };
+    assert!(none.shortened()[0] == "not there" && none.shortened()[1].ends_with(" ..."));
+}
+
 /// Only the part of a table that a run has used must stay, where formulas take it at the time.
 #[test]
 fn a_longer_table_continues_a_shorter_one() {

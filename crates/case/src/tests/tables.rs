@@ -83,6 +83,8 @@ fn tables_of_spreadsheets_are_read() {
         ("t\tthe pitch\theave\n0,0\t5,5\t0\n1,0\t6,5\t1\n2,0\t7,5\t3,0\n", "column = \"heave\""),
         ("  0   5   0\n  1   6   1\n  2   7   3\n", "column = 3"),
         ("t pitch heave\n0 5 0\n1,0 5,5 1,0\n2,0 5,5 3\n", "column = \"heave\""),
+        // As NumPy writes them: the last comment above the numbers holds the names.
+        ("# a motion\n# t pitch heave\n0 5 0\n1 5 1\n# half-way\n2 5 3\n", "column = \"heave\""),
     ] {
         assert_eq!(heave(file, column), 6.0, "{file}");
     }

@@ -16,7 +16,7 @@ mod slab;
 pub use interface::{Follower, Interface};
 
 use crate::block::{Block, Body, BodyState, Couplings, Exchange, Ledger, Quantity};
-use crate::blocks::{SlabTimes, jump, last_digits};
+use crate::blocks::{SlabTimes, first_admissible_step, jump, last_digits};
 use crate::observation::Observation;
 use crate::slab_error::SlabError;
 use crate::state::{Interval, State};
@@ -129,8 +129,8 @@ impl<const D: usize> ElasticBody<D> {
         self.at_fixed(|i| r[i] = self.scales[i] * self.step * w(i));
     }
 
-    /// r := r - L at free entries, for the `loads` of the flow, `[time point][loaded node][component]`.
-    fn subtract(&self, loads: &[f64], r: &mut [f64]) {
+    /// r := r - L at free entries, for the nodal `loads` of the flow, `[time node][C0 node][component]`.
+    fn subtract_nodal_loads(&self, loads: &[f64], r: &mut [f64]) {
         let fixed = self.data.structure.fixed();
         let entries = r.iter_mut().zip(loads).enumerate();
         entries.filter(|(i, _)| !fixed[i % fixed.len()]).for_each(|(_, (r, load))| *r -= load);
@@ -172,7 +172,7 @@ impl<const D: usize> Block for ElasticBody<D> {
         let (displacement, velocity) = self.fields(&state.bodies[self.number]);
         self.slab = Slab {
             clock,
-            dt: interval.end - interval.start,
+            dt: interval.length(),
             displacement: displacement.to_vec(),
             velocity: velocity.to_vec(),
             ..Slab::default()
@@ -197,7 +197,7 @@ impl<const D: usize> Block for ElasticBody<D> {
 
     fn receive(&mut self, exchange: &Exchange, r: &mut [f64]) {
         self.flow_loads = self.nodal_loads(&exchange.wall_loads);
-        self.subtract(&self.flow_loads, r);
+        self.subtract_nodal_loads(&self.flow_loads, r);
     }
 
     fn linearise(&mut self, z: &[f64], exchange: &mut Exchange, inverse_pseudo_time: f64) {
@@ -213,7 +213,7 @@ impl<const D: usize> Block for ElasticBody<D> {
     }
 
     fn receive_product(&mut self, tangent: &Exchange, out: &mut [f64]) {
-        self.subtract(&self.nodal_loads(&tangent.wall_loads), out);
+        self.subtract_nodal_loads(&self.nodal_loads(&tangent.wall_loads), out);
     }
 
     fn precondition(&mut self, r: &[f64], _tangent: &mut Exchange, x: &mut [f64]) {
@@ -247,14 +247,9 @@ impl<const D: usize> Block for ElasticBody<D> {
         if self.data.structure.law().is_linear() {
             return 1.0;
         }
-        let (mut trial, mut r) = (vec![0.0; z.len()], vec![0.0; z.len()]);
-        let mut steps = (0..HALVINGS).map(|k| 0.5_f64.powi(k));
-        let admissible = |a: &f64| {
-            trial.iter_mut().zip(z.iter().zip(dz)).for_each(|(trial, (z, dz))| *trial = z + a * dz);
-            self.in_slab().residual(&self.slab.forces, &trial, &mut r).is_ok()
-        };
-        // If no step is admissible, the residual of the shortest one tells why.
-        steps.find(admissible).unwrap_or(0.5_f64.powi(HALVINGS))
+        let mut r = vec![0.0; z.len()];
+        let is_admissible = |trial: &[f64]| self.in_slab().residual(&self.slab.forces, trial, &mut r).is_ok();
+        first_admissible_step(z, dz, HALVINGS, is_admissible)
     }
 }
 
@@ -276,7 +271,7 @@ impl<const D: usize> Body for ElasticBody<D> {
         }
     }
 
-    fn way(&self, z: &[f64]) -> f64 {
+    fn travel(&self, z: &[f64]) -> f64 {
         let (spacing, length) = (self.data.structure.node_spacing(), self.data.structure.length());
         let way = |(i, rate): (usize, &f64)| (self.step * rate / spacing[i % length / D]).powi(2);
         (z.iter().enumerate().map(way).sum::<f64>() / z.len() as f64).sqrt()

@@ -81,7 +81,7 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
 
     /// Moves to the slab `interval` on top of `bottom`.
     pub(crate) fn begin(&mut self, interval: Interval, bottom: Bottom) {
-        self.operator.begin_slab(interval.start, interval.end - interval.start, bottom);
+        self.operator.begin_slab(interval.start, interval.length(), bottom);
         self.bottom.copy_from_slice(bottom.displacement);
         self.forget();
         self.inverse_pseudo_time = 0.0;

@@ -1,5 +1,6 @@
 //! The mesh as a block: the velocities of its nodes, in equilibrium with its boundary at every time node.
 
+use super::first_admissible_step;
 use crate::block::{Block, Couplings, Exchange, Quantity};
 use crate::mesh_mover::{MeshMover, MeshQuality, RELATIVE_DETERMINANT};
 use crate::motion::MeshMotion;
@@ -125,7 +126,7 @@ impl<const D: usize> MeshBlock<D> {
     }
 
     fn dt(&self) -> f64 {
-        self.interval.end - self.interval.start
+        self.interval.length()
     }
 
     fn elastic(&self) -> Option<(ElasticSlab<'_, D>, f64)> {
@@ -311,14 +312,7 @@ impl<const D: usize> Block for MeshBlock<D> {
         }
         let bound = |v: &[f64]| self.mover.quality(&self.bottom, v, self.interval).lower_bound;
         let enough = (KEPT * bound(v)).max(0.0);
-        let mut trial = vec![0.0; v.len()];
-        let mut keeps = |a: f64| {
-            trial.iter_mut().zip(v.iter().zip(w)).for_each(|(trial, (v, w))| *trial = v + a * w);
-            bound(&trial) > enough
-        };
-        let mut steps = (0..MESH_HALVINGS).map(|k| 0.5_f64.powi(k));
-        // If none suffices, the residual at the shortest step tells what is wrong.
-        steps.find(|a| keeps(*a)).unwrap_or(0.5_f64.powi(MESH_HALVINGS))
+        first_admissible_step(v, w, MESH_HALVINGS, |trial| bound(trial) > enough)
     }
 }
 

@@ -149,6 +149,19 @@ impl<const D: usize> RigidBody<D> {
         q
     }
 
+    /// The coordinates at the top of the slab, with the rates `w` in it, and those rates there.
+    fn at_top(&self, w: &[f64]) -> [Vec<f64>; 2] {
+        let q = self.positions(w);
+        [&q, w].map(|of_nodes| of_nodes[of_nodes.len() - self.count()..].to_vec())
+    }
+
+    /// The rate of a driven coordinate at the top. A polynomial that passes through the positions of the drive has their derivative to a lower
+    /// order only.
+    fn exact_rate(&self, k: usize) -> Option<f64> {
+        let drive = self.data.coordinates[k].drive.as_ref()?;
+        Some((drive.rate)(self.slab.clock.time(1.0))).filter(|rate| rate.is_finite())
+    }
+
     /// Sets the rates to `w`, and writes the displacement of the nodes that the body moves.
     fn set_rates(&mut self, w: &[f64], exchange: &mut Exchange) {
         if self.w != w {
@@ -210,7 +223,7 @@ impl<const D: usize> Block for RigidBody<D> {
         let count = self.count();
         self.slab = Slab {
             clock,
-            dt: interval.end - interval.start,
+            dt: interval.length(),
             position: stored[..count].to_vec(),
             rate: stored[count..2 * count].to_vec(),
             surface: self.surface.gather(&state.d),
@@ -289,7 +302,7 @@ impl<const D: usize> Body for RigidBody<D> {
         }
     }
 
-    fn way(&self, z: &[f64]) -> f64 {
+    fn travel(&self, z: &[f64]) -> f64 {
         let length = |number: usize| self.surface.length(&self.data.coordinates[number % self.count()]);
         let ways = z.iter().enumerate().map(|(number, rate)| (self.step * rate / length(number)).powi(2));
         (ways.sum::<f64>() / z.len() as f64).sqrt()
@@ -332,25 +345,18 @@ impl<const D: usize> Body for RigidBody<D> {
     }
 
     fn add_velocity_at_top(&self, z: &[f64], velocity: &mut [f64]) {
-        let (count, top) = (self.count(), self.slab.clock.time(1.0));
-        let q = self.positions(z);
-        let [q, rates] = [&q, z].map(|of_nodes| &of_nodes[of_nodes.len() - count..]);
-        let mut rates = rates.to_vec();
+        let [q, mut rates] = self.at_top(z);
         for k in self.driven() {
-            let exact = self.data.coordinates[k].drive.as_ref().map(|drive| (drive.rate)(top));
-            exact.filter(|rate| rate.is_finite()).into_iter().for_each(|rate| rates[k] = rate);
+            self.exact_rate(k).into_iter().for_each(|rate| rates[k] = rate);
         }
-        let of_surface = derivatives(&self.surface.displacement(&self.data, &along(q, &rates)));
+        let of_surface = derivatives(&self.surface.displacement(&self.data, &along(&q, &rates)));
         self.surface.add_to_field(&of_surface, velocity);
     }
 
     fn end_slab(&mut self, z: &[f64], stored: &mut Vec<f64>) {
-        let (count, n) = (self.count(), self.time().order());
-        let ledger = self.closed(z, Ledger::read(&stored[2 * count..]));
-        let top = self.positions(z)[(n - 1) * count..].to_vec();
+        let ledger = self.closed(z, Ledger::read(&stored[2 * self.count()..]));
+        let [q, rates] = self.at_top(z);
         stored.clear();
-        stored.extend(top);
-        stored.extend(&z[(n - 1) * count..]);
-        stored.extend(ledger.numbers());
+        stored.extend(q.iter().chain(&self.released(&q, rates)).chain(&ledger.numbers()));
     }
 }

@@ -56,7 +56,7 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         let mut candidate = z.to_vec();
         let time = self.system.mover().slab_motion.time();
         for (a, s) in time.nodes().iter().enumerate() {
-            let phi = time.extrapolation((interval.end - interval.start) / past.dt, *s);
+            let phi = time.extrapolation((interval.length()) / past.dt, *s);
             for cell in 0..layout.cells {
                 let out = &mut candidate[range.clone()][layout.cell_at(cell, a)];
                 out.fill(0.0);
@@ -76,7 +76,7 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
     fn guess_velocities(&self, state: &State, interval: Interval) -> Vec<f64> {
         let mover = self.system.mover();
         let (time, len) = (mover.slab_motion.time(), mover.field_len());
-        let extrapolated = state.extrapolated_velocities(time, len, interval.end - interval.start);
+        let extrapolated = state.extrapolated_velocities(time, len, interval.length());
         let is_good = match self.predictor {
             Predictor::Constant => false,
             Predictor::Elastic => true,

@@ -34,7 +34,7 @@ const UNDAMPED: f64 = 1e-5;
 /// The same holds if the change per time has fallen to this part of its largest value: such modes drift, in slabs that become longer.
 const DRIFT: f64 = 1e-6;
 
-/// So many slabs of rising changes in a row tell such a mode.
+/// This many rising changes in a row indicate such a mode.
 const RISES: usize = 3;
 
 /// Slabs after which the search is given up.
@@ -109,7 +109,7 @@ pub fn find_equilibrium<const D: usize, const M: usize>(
     let system = &march.solver.system;
     let mut largest_jump = SMALL * (system.mover().reference.volume() / system.volume_scale).sqrt();
     let (mut steps, mut iterations) = (0, 0);
-    let (mut flow, mut bodies, mut rises, mut fastest) = (f64::INFINITY, 1.0, 0, 0.0_f64);
+    let mut changes = Changes { flow: f64::INFINITY, bodies: 1.0, rises: 0, rate: 0.0, fastest: 0.0 };
     for slabs in 1..=SLABS {
         if is_stopped() {
             return Err(NoEquilibrium::Stopped { slabs: slabs - 1 });
@@ -120,25 +120,48 @@ pub fn find_equilibrium<const D: usize, const M: usize>(
         steps += report.newton.steps.len();
         iterations += report.newton.krylov_iterations;
         largest_jump = largest_jump.max(report.jump);
-        let jump = report.jump / largest_jump;
-        rises = if jump > flow { rises + 1 } else { 0 };
-        (flow, bodies) = (jump, way(&before, &march.state.d, SMALL * length));
         // A slab that could not be solved has been shortened.
-        let solved = report.interval.end - report.interval.start;
-        tracing::info!(slabs, length = solved, flow, bodies, "equilibrium");
-        let rate = jump / solved;
-        fastest = fastest.max(rate);
-        let rests = flow <= tolerance || (rises >= RISES && (flow <= UNDAMPED || rate <= DRIFT * fastest));
-        if rests && bodies <= tolerance && solved >= TELLING * first {
+        let solved = report.interval.length();
+        changes.add(report.jump / largest_jump, travel(&before, &march.state.d, SMALL * length), solved);
+        tracing::info!(slabs, length = solved, flow = changes.flow, bodies = changes.bodies, "equilibrium");
+        if changes.are_rest(tolerance) && solved >= TELLING * first {
             return Ok(Equilibrium { report: at_rest(start, report, &mut march.state), slabs, steps, iterations });
         }
     }
-    Err(NoEquilibrium::Moves { slabs: SLABS, flow, bodies })
+    Err(NoEquilibrium::Moves { slabs: SLABS, flow: changes.flow, bodies: changes.bodies })
+}
+
+/// The changes in the last slab, and what is needed of those before.
+struct Changes {
+    /// Of the flow.
+    flow: f64,
+    /// Of the bodies.
+    bodies: f64,
+    /// How often in a row the change of the flow has risen.
+    rises: usize,
+    /// The change of the flow per time, and its largest value so far.
+    rate: f64,
+    fastest: f64,
+}
+
+impl Changes {
+    /// Adds a slab of some `length`.
+    fn add(&mut self, flow: f64, bodies: f64, length: f64) {
+        self.rises = if flow > self.flow { self.rises + 1 } else { 0 };
+        (self.flow, self.bodies, self.rate) = (flow, bodies, flow / length);
+        self.fastest = self.fastest.max(self.rate);
+    }
+
+    /// Whether flow and bodies rest, or only modes move that nothing damps.
+    fn are_rest(&self, tolerance: f64) -> bool {
+        let is_undamped = self.flow <= UNDAMPED || self.rate <= DRIFT * self.fastest;
+        self.bodies <= tolerance && (self.flow <= tolerance || (self.rises >= RISES && is_undamped))
+    }
 }
 
 /// The largest change of a displacement of the mesh in a slab, relative to the largest displacement, which is at least `least`. Coordinates of
 /// bodies cannot be compared: some are lengths and some are angles.
-fn way(before: &[f64], after: &[f64], least: f64) -> f64 {
+fn travel(before: &[f64], after: &[f64], least: f64) -> f64 {
     let change = largest(before.iter().zip(after).map(|(old, new)| (new - old).abs()));
     change / largest(after.iter().map(|x| x.abs())).max(least)
 }

@@ -86,7 +86,7 @@ fn rate_of_change<const D: usize, const M: usize>(
     u: &[f64],
 ) -> Result<f64, SlabError> {
     steady.at_rest(search.times(), u, search.displacement)?;
-    Ok(residual_norms(steady, u)?[0] / (super::LONG * search.time_unit))
+    Ok(residual_norms(steady, u)?[0] / (super::STEADY_SLAB_LENGTH * search.time_unit))
 }
 
 /// The mean of the logarithm, as a rate.

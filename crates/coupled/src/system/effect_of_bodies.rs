@@ -32,11 +32,11 @@ impl<const D: usize, const M: usize> System<D, M> {
     }
 
     /// The way of its body per unit of each of their unknowns.
-    pub(super) fn ways_of_bodies(&self) -> Vec<f64> {
+    pub(super) fn travels_of_bodies(&self) -> Vec<f64> {
         let way = |body: &dyn Body, len: usize, k: usize| {
             let mut unit = vec![0.0; len];
             unit[k] = 1.0;
-            body.way(&unit)
+            body.travel(&unit)
         };
         let blocks = self.bodies.iter().zip(&self.ranges);
         blocks.flat_map(|(body, range)| (0..range.len()).map(|k| way(&**body, range.len(), k))).collect()
@@ -47,9 +47,9 @@ impl<const D: usize, const M: usize> System<D, M> {
         if !self.tangent.effect_is_kept {
             return self.move_walls(x);
         }
-        let ways: Vec<f64> = x.iter().zip(&self.ways).map(|(x, way)| x * way).collect();
-        while let Some(q) = self.flow.take_effect(&ways) {
-            let direction: Vec<f64> = q.iter().zip(&self.ways).map(|(q, way)| q / way).collect();
+        let travels: Vec<f64> = x.iter().zip(&self.travel_per_unit).map(|(x, travel)| x * travel).collect();
+        while let Some(q) = self.flow.take_effect(&travels) {
+            let direction: Vec<f64> = q.iter().zip(&self.travel_per_unit).map(|(q, travel)| q / travel).collect();
             self.move_walls(&direction);
             self.mesh.follow_along(&mut self.tangent);
             self.flow.learn_effect(q, &self.tangent);

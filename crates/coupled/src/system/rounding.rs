@@ -6,8 +6,8 @@
 //!
 //! Rounding inside the fluxes acts like a random change of every entry of the state in its last digit. One product along such a change
 //! estimates the residual of a converged flow. The difference of two residuals, which is taken too, also contains what the fluxes themselves round: a
-//! viscosity that is a ratio of small sums rounds more than its derivatives tell. The larger of the two counts. Of bodies the last digits of positions change, too: stiff springs feel them, and light bodies feel the
-//! rounding of loads. The digits are the same in every run. Thin cells, long slabs and low Mach numbers enlarge
+//! viscosity that is a ratio of small sums rounds more than its derivatives tell. The estimate is the larger of the
+//! two. For bodies the last digits of positions are changed as well, because stiff springs amplify them and light bodies respond to rounded loads. The digits are the same in every run. Thin cells, long slabs and low Mach numbers enlarge
 //! the estimate as they enlarge the derivatives.
 
 use super::System;

@@ -2,7 +2,7 @@
 
 use super::ElasticMesh;
 use crate::geometry::{Sample, StiffnessSampler};
-use crate::low_order::{Inertia, LowOrderInverse};
+use crate::low_order::{Inertia, LowOrderInverse, LowOrderTerms};
 use crate::operator::Operator;
 use crate::solver::Inverse;
 use crate::{ElasticityError, Inversion, Law, Stiffness};
@@ -109,9 +109,10 @@ impl<const D: usize> ElasticMesh<D> {
     fn low_order_at(&self, d: &[f64], multigrid: Option<&[[f64; D]]>) -> Result<LowOrderInverse<D>, ElasticityError> {
         let nodes = self.position.nodes.as_ref().expect("they are kept where the refinement moves");
         let build = |d: &[f64]| {
-            let samples = |cell| Ok(nodes.moved(cell, d));
-            let lame = self.operator.lame();
-            LowOrderInverse::new(lame, Inertia::none(), &nodes.numbering, samples, &self.constrained, multigrid)
+            let (lame, inertia) = (self.operator.lame(), Inertia::none());
+            let (samples, fixed) = (|cell| Ok(nodes.moved(cell, d)), &self.constrained);
+            let terms = LowOrderTerms { lame, inertia, numbering: &nodes.numbering, samples, fixed };
+            LowOrderInverse::new(&terms, multigrid)
         };
         match build(d) {
             Err(ElasticityError::SubCell { .. }) => build(&vec![0.0; d.len()]),

@@ -28,9 +28,8 @@ pub(crate) struct BlockRows<const R: usize> {
 }
 
 impl<const R: usize> BlockRows<R> {
-    /// The zero matrix for the couplings of nodes as they were before reordering.
-    pub(crate) fn zero(couplings: Couplings, colouring: &Colouring) -> Self {
-        let places = colouring.places();
+    /// The zero matrix for the couplings of nodes as they were before reordering, and the places of the nodes since.
+    pub(crate) fn zero(couplings: Couplings, colouring: &Colouring, places: &[usize]) -> Self {
         let (mut starts, mut columns) = (vec![0], Vec::with_capacity(couplings.total()));
         for &node in &colouring.order {
             columns.extend(couplings.of(node).iter().map(|&other| places[other as usize] as u32));
@@ -118,33 +117,19 @@ impl<const R: usize> BlockRows<R> {
         size_of_val(&self.entries[..]) + size_of_val(&self.columns[..]) + size_of_val(&self.starts[..])
     }
 
-    /// x = (D + L)^{-1} r, for the inverse blocks of D: a sweep of Gauss-Seidel from x = 0.
-    pub(crate) fn sweep_forward(&self, inverses: &[Block<R, R>], r: &[[f64; R]], x: &mut [[f64; R]]) {
-        for colour in &self.colours {
-            let (before, rest) = x.split_at_mut(colour.start);
-            let chunks = rest[..colour.len()].par_chunks_mut(self.chunk).enumerate();
-            chunks.for_each(|(chunk, own)| {
-                let (start, end) = (colour.start + chunk * self.chunk, colour.end);
-                let sweep = Sweep { matrix: self, inverses, r, before, after: &[], start, end };
-                Arch::new().dispatch(Forward { sweep, own });
-            });
-        }
-    }
-
-    /// A sweep of Gauss-Seidel in the opposite direction: x = (D + U)^{-1} (r - L x).
-    pub(crate) fn sweep_backward(&self, inverses: &[Block<R, R>], r: &[[f64; R]], x: &mut [[f64; R]]) {
-        for colour in self.colours.iter().rev() {
+    /// A sweep of Gauss-Seidel, for the inverse blocks of D: forward x = (D + L)^{-1} r, backward x = (D + U)^{-1} (r - L x).
+    pub(crate) fn sweep(&self, direction: Direction, inverses: &[Block<R, R>], r: &[[f64; R]], x: &mut [[f64; R]]) {
+        for colour in direction.order(self.colours.len()).map(|index| self.colours[index].clone()) {
             let (before, rest) = x.split_at_mut(colour.start);
             let (own, after) = rest.split_at_mut(colour.len());
             own.par_chunks_mut(self.chunk).enumerate().for_each(|(chunk, own)| {
                 let (start, end) = (colour.start + chunk * self.chunk, colour.end);
-                let sweep = Sweep { matrix: self, inverses, r, before, after, start, end };
-                Arch::new().dispatch(Backward { sweep, own });
+                Arch::new().dispatch(Sweep { matrix: self, direction, inverses, r, before, own, after, start, end });
             });
         }
     }
 
-    /// r = -U x: the residual after [`Self::sweep_forward`].
+    /// r = -U x: the residual after a forward [`Self::sweep`] from x = 0.
     pub(crate) fn residual_after_forward(&self, x: &[[f64; R]], r: &mut [[f64; R]]) {
         r.par_chunks_mut(ROWS).enumerate().for_each(|(chunk, r)| {
             Arch::new().dispatch(UpperProduct { matrix: self, start: chunk * ROWS, x, r });
@@ -201,22 +186,47 @@ impl<const R: usize> Values<'_, R> {
     }
 }
 
-/// A sweep over the chunk of a colour that begins at `start`; the colour ends at `end`.
+/// The order of the rows in a sweep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Direction {
+    Forward,
+    Backward,
+}
+
+impl Direction {
+    #[inline(always)]
+    fn order(self, count: usize) -> impl Iterator<Item = usize> {
+        (0..count).map(move |step| if self == Direction::Forward { step } else { count - 1 - step })
+    }
+}
+
+/// A sweep over the chunk `own` of a colour. The chunk begins at the node `start`, and its colour ends at `end`.
 struct Sweep<'a, const R: usize> {
     matrix: &'a BlockRows<R>,
+    direction: Direction,
     inverses: &'a [Block<R, R>],
     r: &'a [[f64; R]],
     before: &'a [[f64; R]],
+    own: &'a mut [[f64; R]],
     after: &'a [[f64; R]],
     start: usize,
     end: usize,
 }
 
 impl<const R: usize> Sweep<'_, R> {
+    /// The blocks of a row that are multiplied: L forward, all backward.
     #[inline(always)]
-    fn product(&self, row: usize, blocks: Range<usize>, own: &[[f64; R]]) -> [f64; R] {
+    fn blocks(&self, row: usize) -> Range<usize> {
+        match self.direction {
+            Direction::Forward => 0..self.matrix.place_of_diagonal(row),
+            Direction::Backward => 0..self.matrix.columns(row).len(),
+        }
+    }
+
+    #[inline(always)]
+    fn product(&self, row: usize) -> [f64; R] {
         let Sweep { before, after, start, end, .. } = *self;
-        self.matrix.product(row, blocks, &Values { before, own, after, start, end })
+        self.matrix.product(row, self.blocks(row), &Values { before, own: &*self.own, after, start, end })
     }
 
     /// D^{-1} (r - product).
@@ -231,44 +241,16 @@ impl<const R: usize> Sweep<'_, R> {
     }
 }
 
-/// A forward sweep over a chunk.
-struct Forward<'a, const R: usize> {
-    sweep: Sweep<'a, R>,
-    own: &'a mut [[f64; R]],
-}
-
-impl<const R: usize> WithSimd for Forward<'_, R> {
+impl<const R: usize> WithSimd for Sweep<'_, R> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Forward { sweep, own } = self;
-        for k in 0..own.len() {
-            let row = sweep.start + k;
-            let product = sweep.product(row, 0..sweep.matrix.place_of_diagonal(row), own);
-            own[k] = sweep.solved(row, &product);
-        }
-    }
-}
-
-/// A backward sweep over a chunk.
-struct Backward<'a, const R: usize> {
-    sweep: Sweep<'a, R>,
-    own: &'a mut [[f64; R]],
-}
-
-impl<const R: usize> WithSimd for Backward<'_, R> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Backward { sweep, own } = self;
-        for k in (0..own.len()).rev() {
-            let row = sweep.start + k;
+        for k in self.direction.order(self.own.len()) {
             // The block on the diagonal is multiplied by zero.
-            own[k] = [0.0; R];
-            let product = sweep.product(row, 0..sweep.matrix.columns(row).len(), own);
-            own[k] = sweep.solved(row, &product);
+            self.own[k] = [0.0; R];
+            let product = self.product(self.start + k);
+            self.own[k] = self.solved(self.start + k, &product);
         }
     }
 }
@@ -321,7 +303,7 @@ mod tests {
         neighbours.iter().for_each(|neighbours| couplings.push(neighbours));
         *colouring = Colouring::new(&couplings, 40);
         let places = colouring.places();
-        let mut matrix = BlockRows::zero(couplings, colouring);
+        let mut matrix = BlockRows::zero(couplings, colouring, &places);
         for node in 0..NODES {
             let own = [[20.0, 1.0, 2.0], [1.0, 25.0, 0.5], [2.0, 0.5, 30.0]];
             matrix.add(places[node], places[node], &own);
@@ -358,10 +340,10 @@ mod tests {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
                 let (mut x, mut rest) = (vec![[0.0; 3]; NODES], vec![[0.0; 3]; NODES]);
-                matrix.sweep_forward(&inverses, &r, &mut x);
+                matrix.sweep(Direction::Forward, &inverses, &r, &mut x);
                 matrix.residual_after_forward(&x, &mut rest);
                 let mut y = x.clone();
-                matrix.sweep_backward(&inverses, &r, &mut y);
+                matrix.sweep(Direction::Backward, &inverses, &r, &mut y);
                 (x, rest, y)
             })
         });

@@ -78,7 +78,7 @@ impl<const R: usize, const B: usize> Prolongation<R, B> {
         let places = colouring.places();
         self.columns.iter_mut().for_each(|column| *column = places[*column as usize] as u32);
         self.transpose = Transpose::new(&self.starts, &self.columns, count);
-        let mut coarse = BlockRows::zero(couplings, &colouring);
+        let mut coarse = BlockRows::zero(couplings, &colouring, &places);
         self.galerkin(matrix, &mut coarse);
         coarse.make_regular();
         (coarse, colouring.order)

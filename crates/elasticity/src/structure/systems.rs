@@ -3,7 +3,7 @@
 use super::Structure;
 use crate::ElasticityError;
 use crate::geometry::{StiffnessSampler, node_spacing};
-use crate::low_order::{Inertia, LowOrderInverse};
+use crate::low_order::{Inertia, LowOrderInverse, LowOrderTerms};
 use crate::shifted::Shifted;
 use basis::gauss_lobatto;
 
@@ -44,7 +44,8 @@ impl<const D: usize> Structure<D> {
             }
             Ok(samples)
         };
-        LowOrderInverse::new(base, inertia, &self.numbering, samples, &self.fixed, None)
+        let (numbering, fixed) = (&self.numbering, &self.fixed);
+        LowOrderInverse::new(&LowOrderTerms { lame: base, inertia, numbering, samples, fixed }, None)
     }
 
     /// The lumped integral of n n^T over the boundary facets with `wet` nodes only, by C0 node.

@@ -8,7 +8,7 @@ use crate::common::{body_force, displacement, held_box};
 use basis::{Lagrange, gauss};
 use elasticity::{ElasticMesh, Lame, Material, Solver, Stiffness};
 use mesh::{CellMap, Mesh, NodeNumbering};
-use tensor::{Transcendental, cofactor, determinant};
+use tensor::{Transcendental, det};
 
 /// E(x) / E_0
 fn stiffness<T: Transcendental, const D: usize>(x: &[T; D]) -> T {
@@ -23,7 +23,7 @@ fn at_points<const D: usize>(mesh: &Mesh<D>, n: usize, mut visit: impl FnMut(usi
         let nodes = mesh.cell_coordinates(cell);
         for (point, (x, jacobian)) in map.positions(nodes).into_iter().zip(map.jacobians(nodes)).enumerate() {
             let weight: f64 = (0..D as u32).map(|axis| rule.weights[point / n.pow(axis) % n]).product();
-            visit(cell, point, x, weight * determinant(&jacobian, &cofactor(&jacobian)));
+            visit(cell, point, x, weight * det(&jacobian));
         }
     }
 }

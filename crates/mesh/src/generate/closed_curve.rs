@@ -188,9 +188,16 @@ fn check_distances(points: &[[f64; 2]], knots: &[f64]) -> Result<(), MeshError> 
     }
 }
 
-fn signed_area(points: &[[f64; 2]]) -> f64 {
-    let next = points.iter().cycle().skip(1);
-    0.5 * points.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>()
+/// The area that a polygon encloses, positive if its points run counter-clockwise. The last point is joined to the first.
+pub fn signed_area(points: &[[f64; 2]]) -> f64 {
+    let [first, ..] = points else { return 0.0 };
+    // About the first point: far from the origin no digits are lost.
+    let from_first = |x: &[f64; 2]| [x[0] - first[0], x[1] - first[1]];
+    let triangle = |pair: &[[f64; 2]]| {
+        let [a, b] = [from_first(&pair[0]), from_first(&pair[1])];
+        0.5 * (a[0] * b[1] - a[1] * b[0])
+    };
+    points.windows(2).map(triangle).sum()
 }
 
 /// The distance of x from the curve: from the nearest of many samples by Newton's method.

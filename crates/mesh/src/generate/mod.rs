@@ -45,7 +45,7 @@ pub use channel::ChannelMesh;
 pub use channel_cylinder::ChannelCylinderMesh;
 pub use channel_flag::{ChannelFlagMesh, FlagCells};
 pub use closed_body::ClosedBodyMesh;
-pub use closed_curve::ClosedCurve;
+pub use closed_curve::{ClosedCurve, signed_area};
 pub use curving::Curving;
 pub use disc::DiscMesh;
 pub use ellipsoid::EllipsoidMesh;

@@ -28,7 +28,7 @@ use bernstein::{Direction, Polynomial};
 pub use motion::MotionCheck;
 use rayon::prelude::*;
 use search::Search;
-use tensor::{cofactor, determinant, norm};
+use tensor::{det, norm};
 
 /// A proved bound is sharp enough if it reaches this fraction of the smallest sampled value.
 const SHARPNESS: f64 = 0.5;
@@ -170,7 +170,7 @@ impl<const D: usize> ValidityCheck<D> {
         let entry_error = entry_error::<D>(self.order) * size;
         let error = jacobians.iter().map(|m| determinant_error(m, entry_error)).fold(0.0, f64::max);
         let grid = self.directions.iter().map(|direction| direction.points.len()).collect();
-        let values = Lattice::new(grid, jacobians.iter().map(|m| determinant(m, &cofactor(m))).collect());
+        let values = Lattice::new(grid, jacobians.iter().map(det).collect());
         let polynomial = Polynomial::interpolate(&self.directions, values.clone(), error);
         (values, polynomial)
     }

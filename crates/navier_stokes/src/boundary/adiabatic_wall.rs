@@ -27,6 +27,11 @@ impl<const D: usize> AdiabaticWall<D> {
         Ok(AdiabaticWall { given: Given::Uniform(Values { pressure: 0.0, vector, temperature: 0.0 }) })
     }
 
+    /// Its sliding velocity; None if it is given at every point.
+    pub fn slide(&self) -> Option<[f64; D]> {
+        self.given.uniform().map(|values| values.vector)
+    }
+
     /// A wall whose sliding velocity is given at every point: data = [_, slide, _].
     pub fn at_points() -> Self {
         AdiabaticWall { given: Given::AtPoints }

@@ -1,6 +1,6 @@
 //! The far field.
 
-use super::{Condition, nothing};
+use super::{Condition, zero_flux};
 use crate::error::InvalidParameter;
 use crate::flux::Stresses;
 use crate::law::NavierStokes;
@@ -59,6 +59,6 @@ impl<const D: usize> Condition<D> for FarField<D> {
         stresses: &Stresses<T, D>,
         _at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        nothing(stresses.velocity[0])
+        zero_flux(stresses.velocity[0])
     }
 }

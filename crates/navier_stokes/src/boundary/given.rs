@@ -43,6 +43,14 @@ impl<const D: usize> Given<D> {
         }
     }
 
+    /// The values, if they are the same at all points.
+    pub(super) fn uniform(&self) -> Option<Values<f64, D>> {
+        match self {
+            Given::Uniform(values) => Some(*values),
+            Given::AtPoints => None,
+        }
+    }
+
     /// Whether the values are data of points.
     #[inline(always)]
     pub(super) fn is_at_points(&self) -> bool {

@@ -2,7 +2,7 @@
 
 use super::given::{Given, Values};
 use super::opening::{Facet, Reservoir};
-use super::{Condition, nothing};
+use super::{Condition, zero_flux};
 use crate::error::{InvalidParameter, finite, positive};
 use crate::flux::Stresses;
 use crate::law::NavierStokes;
@@ -71,7 +71,7 @@ impl<const D: usize> Condition<D> for Inflow<D> {
         stresses: &Stresses<T, D>,
         _at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        nothing(stresses.velocity[0])
+        zero_flux(stresses.velocity[0])
     }
 
     #[inline(always)]

@@ -31,10 +31,12 @@ impl<const D: usize> IsothermalWall<D> {
 
     /// Its temperature; None if it is given at every point.
     pub fn temperature(&self) -> Option<f64> {
-        match self.given {
-            Given::Uniform(values) => Some(values.temperature),
-            Given::AtPoints => None,
-        }
+        self.given.uniform().map(|values| values.temperature)
+    }
+
+    /// Its sliding velocity; None if it is given at every point.
+    pub fn slide(&self) -> Option<[f64; D]> {
+        self.given.uniform().map(|values| values.vector)
     }
 
     /// A wall whose sliding velocity and temperature are given at every point: data = [_, slide, temperature].

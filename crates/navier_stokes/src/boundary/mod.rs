@@ -219,7 +219,7 @@ impl<const D: usize> Boundary<D> {
 
 /// The zero flux, in the number type of `like`.
 #[inline(always)]
-fn nothing<T: Real, const M: usize>(like: T) -> [T; M] {
+fn zero_flux<T: Real, const M: usize>(like: T) -> [T; M] {
     [like.zero(); M]
 }
 

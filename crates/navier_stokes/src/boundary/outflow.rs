@@ -14,7 +14,7 @@
 
 use super::given::{Given, Values};
 use super::opening::{Facet, Reservoir};
-use super::{Condition, nothing};
+use super::{Condition, zero_flux};
 use crate::error::{InvalidParameter, positive};
 use crate::flux::Stresses;
 use crate::gas::Gas;
@@ -31,7 +31,7 @@ use tensor::{Over, Real, dot};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outflow<const D: usize> {
     given: Given<D>,
-    lets_sound_pass: bool,
+    non_reflecting: bool,
 }
 
 impl<const D: usize> Outflow<D> {
@@ -43,17 +43,17 @@ impl<const D: usize> Outflow<D> {
         positive("pressure of the outflow", pressure)?;
         let temperature = positive("total temperature", total_temperature)?;
         let given = Given::Uniform(Values { pressure, vector: [0.0; D], temperature });
-        Ok(Outflow { given, lets_sound_pass: false })
+        Ok(Outflow { given, non_reflecting: false })
     }
 
     /// Outflow to a pressure that is given at every point: data = [p_b, _, T_0].
     pub fn at_points() -> Self {
-        Outflow { given: Given::AtPoints, lets_sound_pass: false }
+        Outflow { given: Given::AtPoints, non_reflecting: false }
     }
 
     /// Outflow that lets sound pass, to a stream of given pressure and velocity: data = [p_b, W, T_0].
     pub fn of_velocity() -> Self {
-        Outflow { given: Given::AtPoints, lets_sound_pass: true }
+        Outflow { given: Given::AtPoints, non_reflecting: true }
     }
 }
 
@@ -90,7 +90,7 @@ impl<const D: usize> Condition<D> for Outflow<D> {
         let facet = Facet { normal: *n, normal_velocity: v_n, direction, reservoir_velocity: *v };
         let stream = self.given.values(&at);
         let total_temperature = stream.temperature;
-        let mut outside = if self.lets_sound_pass {
+        let mut outside = if self.non_reflecting {
             let total_pressure = pressure_of_sound(gas, &inside, &stream, n);
             Reservoir { total_pressure, total_temperature }.state(gas, &inside, &facet)
         } else {
@@ -124,7 +124,7 @@ impl<const D: usize> Condition<D> for Outflow<D> {
         stresses: &Stresses<T, D>,
         _at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        nothing(stresses.velocity[0])
+        zero_flux(stresses.velocity[0])
     }
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! Subsonic inflow of given velocity, or mass flux, and temperature.
 
 use super::given::Values;
-use super::{Condition, nothing};
+use super::{Condition, zero_flux};
 use crate::flux::Stresses;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along};
@@ -86,7 +86,7 @@ impl<const D: usize> Condition<D> for VelocityInflow {
         stresses: &Stresses<T, D>,
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        where_entering(stresses, at, stresses.normal_flux(at.normal), nothing(stresses.velocity[0]))
+        where_entering(stresses, at, stresses.normal_flux(at.normal), zero_flux(stresses.velocity[0]))
     }
 
     /// The state on the facet. With k = (gamma - 1) / 2 and R+ = w_n + c / k of the gas inside at its own entropy,

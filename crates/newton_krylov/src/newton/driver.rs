@@ -132,7 +132,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
 
     /// The number of the last steps that were all fruitless and have left most of the residual, with the norm before them; `None` if there
     /// is no such number. An attempt that was rejected counts as a fruitless step.
-    fn leads_nowhere(&self, FruitlessSteps { steps, left }: FruitlessSteps) -> Option<(usize, f64)> {
+    fn fruitless_streak(&self, FruitlessSteps { steps, left }: FruitlessSteps) -> Option<(usize, f64)> {
         let history = self.report.residual_history();
         let with_norms = self.report.steps.iter().zip(&history).rev();
         let fruitless = with_norms.take_while(|(step, before)| {
@@ -153,7 +153,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         if self.report.steps.len() >= self.settings.max_steps {
             return Some(Error::MaxSteps { tolerance: self.tolerances.total, report: report() });
         }
-        if let Some((steps, before)) = self.settings.fruitless_steps.and_then(|rule| self.leads_nowhere(rule)) {
+        if let Some((steps, before)) = self.settings.fruitless_steps.and_then(|rule| self.fruitless_streak(rule)) {
             return Some(Error::Fruitless { steps, before, report: report() });
         }
         let (least, since) = (self.best.progress_norm, self.best.progress);
@@ -291,7 +291,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
     fn has_met_rounding(&self) -> bool {
         let (left, norm) = (self.report.last_reduction(), self.report.final_norm());
         let promised = self.report.steps.last().map_or(1.0, |step| step.linear_residual);
-        left > LITTLE_PROGRESS || norm <= self.settings.quiet && left > SHORT_OF_LINEAR * promised
+        left > LITTLE_PROGRESS || norm <= self.settings.rounding_suspected_below && left > SHORT_OF_LINEAR * promised
     }
 
     /// Ends the solve if the residual of the iterate `z` is within its rounding. Called after a step that made little progress or failed.

@@ -8,6 +8,7 @@
     state = result.evaluate(points)          # points: an array [point][axis]
 """
 
+import signal as _signal
 import sys as _sys
 
 from ._analysis import boundary_layer, spectrum
@@ -19,4 +20,7 @@ __all__ = ["Case", "CaseError", "Result", "Slab", "SolveError", "__version__", "
 
 def main():
     """The command `stsolve`."""
+    # Python's own handler would wait for the end of the computation.
+    if _signal.getsignal(_signal.SIGINT) is _signal.default_int_handler:
+        _signal.signal(_signal.SIGINT, _signal.SIG_DFL)
     _sys.exit(_execute(["stsolve", *_sys.argv[1:]]))

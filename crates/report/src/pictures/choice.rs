@@ -67,7 +67,8 @@ pub fn window<const D: usize>(view: &View<D>, name: Option<&str>) -> Result<Wind
     let Some(name) = name else { return named(&view.windows, None, D) };
     let plane = || {
         let near = view.near?;
-        let plane = plane(name).or_else(|| cuts::middle(near, name.strip_prefix("cut ")?))?;
+        let plane = plane(name).map(|plane| inside(plane, view.mesh));
+        let plane = plane.or_else(|| cuts::middle(near, name.strip_prefix("cut ")?))?;
         Some(Window { label: name.to_owned(), ..cuts::window(near, plane, PIXELS) })
     };
     let within = || Some(Window { plane: view.plane, ..Window::new(name, extent(name)?, PIXELS) });
@@ -89,6 +90,13 @@ fn misses<const D: usize>(name: &str, mesh: Cuboid) -> bool {
         shown.upper[..2].copy_from_slice(&extent.upper);
     }
     shown.intersection(mesh).is_empty()
+}
+
+/// The plane, moved into the box `mesh` by round-off where it is on its lower side: cells are cut if a part of them lies below.
+fn inside(plane: Plane, mesh: Cuboid) -> Plane {
+    let [lower, upper] = [mesh.lower, mesh.upper].map(|corner| corner[plane.axis]);
+    let lowest = lower + 1e-9 * (upper - lower);
+    if plane.at < lowest { Plane { at: lowest, ..plane } } else { plane }
 }
 
 /// The window of a name, or the first one.

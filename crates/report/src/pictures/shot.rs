@@ -11,7 +11,7 @@ use super::lines::LineLayer;
 use super::quantity::{PictureQuantity, Range};
 use super::window::Window;
 use crate::axis::linear_ticks;
-use crate::html::{legend_texts, with_digits};
+use crate::html::{texts_on_scale, with_digits};
 
 /// What a movie or a picture shows.
 #[derive(Clone, Copy, Debug, Default)]
@@ -156,7 +156,7 @@ impl Shot {
 /// Round values in a range with their texts: fewer, if they would overlap on a bar of this length in pixels.
 fn numbers_with_room(range: Range, bar: f64, size: f64) -> Vec<(f64, String)> {
     let ticks = linear_ticks(range.lower, range.upper);
-    let texts = legend_texts(&ticks);
+    let texts = texts_on_scale(&ticks, 3);
     let widest = texts.iter().map(|text| lettering::width(text, size)).fold(0.0, f64::max) + size;
     let apart = ticks.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
     let stride = (widest / (apart / (range.upper - range.lower) * bar)).ceil().max(1.0) as usize;

@@ -20,17 +20,19 @@ pub fn parts(wanted: &Averages, start: f64, end: f64) -> Vec<Part> {
     match wanted.phases {
         _ if end - start <= round_off => Vec::new(),
         None => vec![Part { phase: 0, start, end }],
-        Some(phases) => by_phase(phases, wanted.from, start, end),
+        Some(phases) => by_phase(phases, wanted.from, [start, end], round_off),
     }
 }
 
-fn by_phase(Phases { period, count }: Phases, from: f64, start: f64, end: f64) -> Vec<Part> {
+/// The parts from `start` to `end` by phases, none of them shorter than `round_off`.
+fn by_phase(Phases { period, count }: Phases, from: f64, [start, end]: [f64; 2], round_off: f64) -> Vec<Part> {
     let length = period / count as f64;
     let (mut parts, mut begin, mut number) = (Vec::new(), start, ((start - from) / length).floor().max(0.0) as usize);
     while begin < end {
-        let limit = (from + (number + 1) as f64 * length).min(end);
-        // Round-off may put the start behind the limit of its phase.
-        if limit > begin {
+        let limit = from + (number + 1) as f64 * length;
+        let limit = if end - limit <= round_off { end } else { limit };
+        // Round-off may put the start before or behind the limit of its phase.
+        if limit - begin > round_off {
             parts.push(Part { phase: number % count, start: begin, end: limit });
             begin = limit;
         }
@@ -67,6 +69,9 @@ mod tests {
         };
         assert_eq!(cut(0.9, 1.6), [(0, 1.0, 1.25), (1, 1.25, 1.5), (2, 1.5, 1.6)]);
         assert_eq!(cut(1.75, 2.25), [(3, 1.75, 2.0), (0, 2.0, 2.25)]);
+        // Phases that are reached by round-off alone had averages over 1e-16.
+        assert_eq!(cut(1.1, 1.25 + 1e-15), [(0, 1.1, 1.25 + 1e-15)]);
+        assert_eq!(cut(1.25 - 1e-15, 1.4), [(1, 1.25 - 1e-15, 1.4)]);
     }
 
     /// Whatever the lengths, the parts of all slabs together are the whole time, and every phase has its share.

@@ -6,10 +6,10 @@ use crate::averages::AverageSums;
 use crate::error::Failure;
 use crate::record::Stored;
 use crate::{cells, checkpoint, fallback};
-use case::{Case, Flow, State};
+use case::{Case, Flow};
 use coupled::{FlowMarch, Linearisation};
-use fem::{Share, StateField};
-use navier_stokes::{Compiled, Exact, Manufactured, NavierStokes};
+use fem::Share;
+use navier_stokes::{Compiled, NavierStokes};
 use output::{ArrayInParts, Checkpoint, Parts, SolverState};
 use std::borrow::Cow;
 use std::ops::Range;
@@ -33,8 +33,6 @@ impl Crew {
     ) -> Result<(), Failure>
     where
         NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-        Exact<State<D>>: StateField<D, M>,
-        Manufactured<State<D>, D>: StateField<D, M>,
     {
         let share = &march.solver.system.flow.operator.share;
         let own = match share.is_whole() {
@@ -105,8 +103,6 @@ pub fn restore<const D: usize, const M: usize>(
 ) -> Option<()>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     let (state, frozen, stale) = checkpoint::load(stored, &case.time)?;
     if state.u.len() != march.state.u.len() || state.d.len() != march.state.d.len() || !march.has_bodies_of(&state) {

@@ -32,7 +32,10 @@ pub(super) fn open_files<'a, const D: usize, const M: usize>(
     let state = origin.as_ref().map(|start| &start.checkpoint.state);
     let opened = Recorder::<D, M>::start(session, case, mesh, destination.is_resumed(), state)?;
     origin.iter().flat_map(|start| &start.warnings).for_each(|warning| tracing::warn!("{warning}"));
-    failure::clear(session.directory.path())?;
+    let is_inverted = opened.1.as_ref().is_some_and(|stored| RunStatistics::has_invalid_mesh(&stored.state.arrays));
+    if !is_inverted {
+        failure::clear(session.directory.path())?;
+    }
     Ok(opened)
 }
 
@@ -166,12 +169,17 @@ fn take_series<const D: usize, const M: usize>(
     kept.try_for_each(|(time, values)| recorder.append_to_series(&series.array, *time, values))
 }
 
-/// The walls whose distributions begin at the present `time` of a resumed run; warns of their means.
+/// The walls whose distributions begin at the present `time` of a resumed run; warns of their means. A wall whose series already is in the file
+/// goes on with it, from the present time if that is missing.
 fn added_on_resume<const D: usize>(case: &Case<D>, session: &Session<'_>, time: f64) -> Result<Vec<String>, Failure> {
-    let before = ResultReader::open(&session.directory.path().join(RESULT_FILE))?.metadata.case_text;
-    let added = surfaces::added(case, &before);
-    surfaces::late_means(case, &added, time).iter().for_each(|warning| tracing::warn!("{warning}"));
-    Ok(added)
+    let reader = ResultReader::open(&session.directory.path().join(RESULT_FILE))?;
+    let added = surfaces::added(case, &reader.metadata.case_text);
+    let last = |wall: &String| Ok(reader.series(&surface_name(wall))?.and_then(|series| series.times.last().copied()));
+    let last_times = added.iter().map(last).collect::<Result<Vec<Option<f64>>, output::OutputError>>()?;
+    let with_last = || added.iter().zip(&last_times);
+    let new: Vec<String> = with_last().filter(|(_, last)| last.is_none()).map(|(wall, _)| wall.clone()).collect();
+    surfaces::late_means(case, &new, time).iter().for_each(|warning| tracing::warn!("{warning}"));
+    Ok(with_last().filter(|(_, last)| last.is_none_or(|last| last < time)).map(|(wall, _)| wall.clone()).collect())
 }
 
 /// Restores the run from a checkpoint, its own or that of the run that it continues.

@@ -2,10 +2,10 @@
 
 use super::data::{Extreme, Mismatch, Moment};
 use super::grid::{Grid, difference};
-use case::{Flow, State};
+use case::Flow;
 use fem::BoundaryPoint;
 use mesh::{BoundaryFacet, face_nodes, outward_area};
-use navier_stokes::{Boundary, ExactState, Gas, Primitive};
+use navier_stokes::{Boundary, Gas, Primitive};
 use tensor::{dot, norm};
 
 /// States `[point][component]` of a cell with its points at given positions.
@@ -63,10 +63,7 @@ pub fn measure<const D: usize, const M: usize>(
     mesh: &mesh::Mesh<D>,
     grid: &Grid<D>,
     then: &Then<D, M>,
-) -> Measured
-where
-    State<D>: ExactState<D, M>,
-{
+) -> Measured {
     let gas = &flow.law.gas;
     let cells: Vec<CellGas> = (0..grid.cells()).map(|cell| of_cell(gas, cell, &then.gas(gas, grid, cell))).collect();
     let beside = Beside { flow, names: mesh.boundary_names(), grid, then };
@@ -94,7 +91,7 @@ fn of_cell<const D: usize>(gas: &Gas, cell: usize, states: &[Primitive<f64, D>])
         steepness: steepness(gas, cell, states),
         fastest: most(&|state| norm(&state.velocity) + sound_speed(gas, state)),
         mach: most(&|state| {
-            let mach = norm(&state.velocity) / sound_speed(gas, state);
+            let mach = gas.mach(state);
             if mach.is_finite() { mach } else { 0.0 }
         }),
         reynolds: most(&|state| state.density * norm(&state.velocity) / viscosity(state)),
@@ -144,10 +141,7 @@ struct Beside<'a, const D: usize, const M: usize> {
     then: &'a Then<'a, D, M>,
 }
 
-impl<const D: usize, const M: usize> Beside<'_, D, M>
-where
-    State<D>: ExactState<D, M>,
-{
+impl<const D: usize, const M: usize> Beside<'_, D, M> {
     /// At every point of a facet: the largest difference, and the part of it that is caused by the motion of a wall.
     fn facet(&self, facet: &BoundaryFacet) -> Vec<(Mismatch, f64)> {
         let (cell, face, then) = (facet.side.cell, facet.side.face, self.then);

@@ -42,10 +42,7 @@ struct Gases {
     last: Measured,
 }
 
-impl<'a, const D: usize, const M: usize> Failed<'a, D, M>
-where
-    State<D>: ExactState<D, M>,
-{
+impl<'a, const D: usize, const M: usize> Failed<'a, D, M> {
     /// The run of `case` that stopped with `error`.
     pub fn new(
         (case, flow): (&'a Case<D>, &'a Flow<D>),
@@ -102,7 +99,7 @@ where
     fn bodies(&self, grid: &Grid<D>) -> Option<Bodies> {
         // The steady flow with bodies held was found, but not yet their equilibrium.
         let is_released = self.steady.is_none() && self.statistics.steady.is_none() && self.state.slab == 0;
-        let dt = self.interval.end - self.interval.start;
+        let dt = self.interval.length();
         let bodies = of_bodies::measure(self.case, self.flow, grid, self.state, dt)?;
         let unheld = if is_released { unheld(self.case) } else { None };
         Some(Bodies { unheld, inverted: self.inadmissible(VOLUME_RATIO), ..bodies })
@@ -195,7 +192,7 @@ where
     fn gas(&self, grid: &Grid<D>, gases: &Gases) -> Gas {
         let (flow, law) = (self.flow, &self.flow.law);
         let orders = fem::Orders { flow: flow.order, mesh: self.case.mesh.order(), time: self.case.time.order };
-        let dt = self.interval.end - self.interval.start;
+        let dt = self.interval.length();
         let nodes = |cell: usize| grid.thickness(cell, &self.state.d) / (flow.order - 1) as f64;
         let most = |value: &dyn Fn(&CellGas, f64) -> f64| {
             let cells = gases.last.cells.iter().enumerate();
@@ -274,7 +271,7 @@ where
     fn displacement_at(&self, t: f64) -> Vec<f64> {
         let (bottom, v) = (&self.state.d, self.march.solver.system.mesh.velocities());
         let mut d = bottom.clone();
-        let dt = self.interval.end - self.interval.start;
+        let dt = self.interval.length();
         if v.iter().all(|v| v.is_finite()) && dt > 0.0 {
             self.mover().slab_motion.displacement(dt, bottom, v, (t - self.interval.start) / dt, &mut d);
         }

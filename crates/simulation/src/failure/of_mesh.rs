@@ -26,7 +26,7 @@ fn prescribed<const D: usize>(mover: &MeshMover<D>, interval: Interval) -> (Opti
     let mut g = vec![0.0; mover.field_len()];
     let mut largest = 0.0_f64;
     for s in mover.slab_motion.time().nodes() {
-        let time = interval.start + s * (interval.end - interval.start);
+        let time = interval.start + s * (interval.length());
         mover.prescribed(time, &mut g);
         if let Some(node) = g.chunks_exact(D).position(|g| g.iter().any(|g| !g.is_finite())) {
             return (Some(Undefined { time, position: mover.positions()[node].to_vec() }), 0.0);

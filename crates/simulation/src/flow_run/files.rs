@@ -4,9 +4,8 @@ use super::FlowRun;
 use crate::averages::{AlongFiles, AverageSums, PhaseFile};
 use crate::drive::Run;
 use crate::surfaces::{self, MeansOf, Section};
-use case::{Averages, State, Wall, rounded_time};
-use fem::StateField;
-use navier_stokes::{Boundary, Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use case::{Averages, Wall, rounded_time};
+use navier_stokes::{Boundary, Compiled, NavierStokes};
 use output::{RESULT_FILE, ResultReader, Series};
 use std::borrow::Cow;
 use std::path::Path;
@@ -14,9 +13,6 @@ use std::path::Path;
 impl<const D: usize, const M: usize> FlowRun<'_, D, M>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     /// The sums of averages over all cells, if something of them is written at the end.
     pub(super) fn whole_averages(&self) -> Cow<'_, AverageSums> {

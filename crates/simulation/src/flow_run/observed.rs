@@ -11,17 +11,13 @@ use crate::probes::FlowAtPoints;
 use crate::record::top;
 use crate::surfaces::FlowAt;
 use crate::{history, integrals, openings};
-use case::State;
 use coupled::Past;
-use fem::{Clock, ConservationLaw, StateField, TimePoint};
-use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use fem::{Clock, ConservationLaw, TimePoint};
+use navier_stokes::{Compiled, NavierStokes};
 
 impl<const D: usize, const M: usize> FlowRun<'_, D, M>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     /// The present state in `cells`, which may be listed twice.
     pub(super) fn state_in(&self, mut cells: Vec<usize>) -> StateInCells<'_> {
@@ -148,7 +144,7 @@ where
             time: state.time,
             displacement: &state.d,
             velocity: state.past.as_ref().map_or(&still[..], |past| top(&past.v, &state.d)),
-            state: &|cell, _| by_point(&grid.sampler.state(there.of(cell))),
+            state: &|cell, _| by_point::<M>(&grid.sampler.state(there.of(cell))),
         };
         let seen = openings::measure(&self.flow, &mover.reference, &grid, &then);
         for record in openings::enter(&mut context.statistics.openings, &seen, state.time) {

@@ -6,17 +6,13 @@ use crate::crew::Order;
 use crate::history;
 use crate::steady_search::{self, Found};
 use crate::walls::wall_loads;
-use case::{State, Steady};
+use case::Steady;
 use coupled::{Discretisation, Equilibrium, Reliability, SlabReport, Stability, Stage, SteadyFlow};
-use fem::StateField;
-use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use navier_stokes::{Compiled, NavierStokes};
 
 impl<const D: usize, const M: usize> FlowRun<'_, D, M>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
 {
     /// Replaces the initial state by the steady flow; returns its row of history.csv.
     pub(super) fn start_from_steady_flow(

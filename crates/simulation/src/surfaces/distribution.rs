@@ -23,7 +23,7 @@ use mesh::{BoundaryFacet, axis_and_side, outward_area, outward_sign};
 use navier_stokes::{Boundary, NavierStokes, Primitive};
 use output::ArraySpec;
 use std::collections::BTreeMap;
-use tensor::{cofactor, determinant, dot, norm};
+use tensor::{cofactor, det, dot, norm};
 
 /// The flow at the end of a slab.
 pub struct SurfaceFlow<'a, const D: usize> {
@@ -290,10 +290,6 @@ fn unit_normal<const D: usize, const M: usize>(here: &Here<'_, D, M>) -> ([f64; 
     let area = outward_area(&here.jacobian, here.face);
     let size = norm(&area);
     (area.map(|a| a / size), size)
-}
-
-fn det<const D: usize>(jacobian: &[[f64; D]; D]) -> f64 {
-    determinant(jacobian, &cofactor(jacobian))
 }
 
 /// grad_x u = J^-T grad_xi u.

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! A wall that consists of curves extruded along z has many rows at the same point: the mean is also one over the span. The flow
-//! separates where <c_s> falls through zero along the direction from which it comes: where <c_s> goes from plus to minus with s. It attaches where <c_s>
-//! goes from minus to plus, as at a stagnation point. The error is half of a 95 % confidence interval, if the parts are longer than the
+//! separates where <c_s> changes from plus to minus with increasing s. It attaches where <c_s> changes from minus to plus, as at a stagnation
+//! point. The error is half of a 95 % confidence interval, if the parts are longer than the
 //! correlation time of the flow.
 //!
 //! A wall may consist of several curves. Each has zeros of its own: none lies between the end of a curve and the start of another.

@@ -33,9 +33,9 @@ pub fn compare(first: &Path, second: &Path, json: bool) -> Result<(), Failure> {
         return print(&serde_json::to_string_pretty(&page).map_err(Failure::bad_input)?);
     }
     let mut tables = vec![Table::new("keys that differ")];
-    for Difference { key, before, now } in &keys {
-        let text = |value: &Option<String>| value.clone().unwrap_or_else(|| "not there".into());
-        tables[0].row(key, text(before), format!("and {}", text(now)));
+    for difference in &keys {
+        let [before, now] = difference.shortened();
+        tables[0].row(&difference.key, before, format!("and {now}"));
     }
     tables.push(table("figures that differ", &figures, |[a, b]| (b - a).abs() / a.abs().max(b.abs())));
     tables.push(table(
@@ -148,7 +148,7 @@ fn curves([first, second]: &[Run; 2]) -> Vec<Named> {
 
 /// The distance of two values, zero if neither is a number.
 fn distance(a: f64, b: f64) -> f64 {
-    if a.is_nan() && b.is_nan() { 0.0 } else { (a - b).abs() }
+    if a == b || (a.is_nan() && b.is_nan()) { 0.0 } else { (a - b).abs() }
 }
 
 /// The curve through (`times`, `values`) at `t`; None beyond its ends.
@@ -210,6 +210,7 @@ mod tests {
         let compared = |a: &[f64], b: &[f64]| curves(&[run(a), run(b)]);
         assert!(compared(&[NONE, 1.0, 2.0], &[NONE, 1.0, 2.0]).is_empty() && compared(&[NONE], &[NONE]).is_empty());
         assert_eq!(compared(&[NONE, 1.0, 2.0], &[NONE, 1.0, 3.0])[0].1, [0.5, 2.0]);
+        assert!(compared(&[f64::INFINITY, 1.0], &[f64::INFINITY, 1.0]).is_empty(), "infinite in both");
         for (a, b) in
             [([1.0, NONE, NONE], [1.0, 1.0, 1.0]), ([0.0, 5.0, 0.0], [0.0, NONE, NONE]), ([NONE; 3], [NONE, 0.0, 0.0])]
         {

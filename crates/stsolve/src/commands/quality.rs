@@ -1,7 +1,7 @@
 //! The quality of the cells of a mesh.
 
 use mesh::{CellMap, Mesh};
-use tensor::{cofactor, determinant, norm};
+use tensor::{det, norm};
 
 /// The least orthogonal cell, and its orthogonality: the smallest det J over the product of the lengths of the columns of J, at corners and centre.
 /// It is 1 for a rectangular cell and 0 for a flat one. For quadrilaterals it is the sine of an angle.
@@ -17,7 +17,7 @@ pub(super) fn least_orthogonal<const D: usize>(mesh: &Mesh<D>) -> (usize, f64) {
 
 fn orthogonality<const D: usize>(jacobian: &[[f64; D]; D]) -> f64 {
     let length = |axis: usize| norm::<f64, D>(&std::array::from_fn(|i| jacobian[i][axis]));
-    determinant(jacobian, &cofactor(jacobian)) / (0..D).map(length).product::<f64>()
+    det(jacobian) / (0..D).map(length).product::<f64>()
 }
 
 /// The mean position of the nodes of a cell.

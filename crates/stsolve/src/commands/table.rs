@@ -1,6 +1,7 @@
 //! Tables of keys and values, for people and for programs.
 
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
 
 /// A titled table.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,9 +26,13 @@ impl Table {
         self.rows.is_empty()
     }
 
-    /// The rows as an object with the title as key.
+    /// The rows as an object with the title as key. Values of one key are a list.
     pub(super) fn json(&self) -> (String, Value) {
-        let rows: Map<String, Value> = self.rows.iter().map(|(key, value, _)| (key.clone(), value.clone())).collect();
+        let mut rows: BTreeMap<&String, Vec<&Value>> = BTreeMap::new();
+        self.rows.iter().for_each(|(key, value, _)| rows.entry(key).or_default().push(value));
+        let one_or_all = |values: Vec<&Value>| if let [value] = values[..] { value.clone() } else { json!(values) };
+        let rows: Map<String, Value> =
+            rows.into_iter().map(|(key, values)| (key.clone(), one_or_all(values))).collect();
         (self.title.clone(), Value::Object(rows))
     }
 
@@ -66,6 +71,9 @@ pub(super) fn apart([a, b]: [f64; 2]) -> [String; 2] {
 
 /// So many digits, with an exponent if that is shorter.
 fn with_digits(value: f64, digits: usize) -> String {
+    if value.is_nan() {
+        return "-".to_owned();
+    }
     let decimals = digits - 1;
     if value != 0.0 && !(1e-3..1e6).contains(&value.abs()) {
         return format!("{value:.decimals$e}");
@@ -78,6 +86,14 @@ fn with_digits(value: f64, digits: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Of several warnings about one thing the last one was left.
+    #[test]
+    fn rows_with_one_key_are_a_list() {
+        let mut table = Table::new("warnings");
+        table.row("opening", "a", "").row("mesh", "b", "").row("opening", "c", "");
+        assert_eq!(table.json(), ("warnings".to_owned(), json!({ "mesh": "b", "opening": ["a", "c"] })));
+    }
 
     #[test]
     fn numbers_are_short() {

@@ -63,32 +63,11 @@ impl<const D: usize> Given<'_, D> {
             checker.require(&key, &quantity, value.is_finite(), "a finite number")?;
             Ok(value)
         };
-        if let Some(raw::Stops { lower, upper, stiffness }) = raw.stops {
-            let key = key.child("stops");
-            checker.require(
-                &key.child("upper"),
-                "the upper stop",
-                upper > lower && lower.is_finite(),
-                "a number above `lower`",
-            )?;
-            checker.positive(&key.child("stiffness"), "the stiffness of the stops", stiffness)?;
-        }
+        self.check_stops(key, raw)?;
         let motion =
             raw.motion.as_ref().map(|motion| self.drive(&key.child("motion"), &direction, motion)).transpose()?;
-        if raw.release.is_some() && motion.is_none() {
-            let accepted = "this key together with `motion`";
-            return Err(checker.combination(
-                &key.child("release"),
-                "a coordinate that nothing drives is free already",
-                accepted,
-            ));
-        }
         let rate = number("rate", &raw.rate)?;
-        if motion.is_some() && rate != 0.0 {
-            let problem = "`rate` has no effect: the motion of the coordinate tells its rate at the start";
-            return Err(checker.combination(&key.child("rate"), problem, "one of the two: remove the other"));
-        }
-        raw.release.map_or(Ok(()), |release| self.check_release(&key.child("release"), release))?;
+        self.check_drive(key, raw, rate)?;
         let (spring, cubic_spring) = (number("spring", &raw.spring)?, number("cubic_spring", &raw.cubic_spring)?);
         let rest = number("rest", &raw.rest)?;
         if rest != 0.0 && spring == 0.0 && cubic_spring == 0.0 {
@@ -112,6 +91,28 @@ impl<const D: usize> Given<'_, D> {
             motion,
             release: raw.release,
         })
+    }
+
+    fn check_stops(&self, key: &Key, raw: &raw::Freedom) -> Checked<()> {
+        let Some(raw::Stops { lower, upper, stiffness }) = raw.stops else { return Ok(()) };
+        let (checker, key) = (self.checker, key.child("stops"));
+        let is_above = upper > lower && lower.is_finite();
+        checker.require(&key.child("upper"), "the upper stop", is_above, "a number above `lower`")?;
+        checker.positive(&key.child("stiffness"), "the stiffness of the stops", stiffness).map(drop)
+    }
+
+    /// Checks what belongs to a prescribed motion: its release, and the `rate` at the start.
+    fn check_drive(&self, key: &Key, raw: &raw::Freedom, rate: f64) -> Checked<()> {
+        let (checker, is_driven) = (self.checker, raw.motion.is_some());
+        if raw.release.is_some() && !is_driven {
+            let problem = "a coordinate that nothing drives is free already";
+            return Err(checker.combination(&key.child("release"), problem, "this key together with `motion`"));
+        }
+        if is_driven && rate != 0.0 {
+            let problem = "`rate` has no effect: the motion of the coordinate tells its rate at the start";
+            return Err(checker.combination(&key.child("rate"), problem, "one of the two: remove the other"));
+        }
+        raw.release.map_or(Ok(()), |release| self.check_release(&key.child("release"), release))
     }
 
     /// A slab begins where a drive ends. Adapted slabs are cut there.

@@ -4,6 +4,7 @@ use super::camber::{Contour, foremost};
 use super::point_file;
 use crate::cause::Cause;
 use crate::expression::{Ends, Table};
+use mesh::generate::signed_area;
 use std::path::Path;
 
 /// What a file of points must hold.
@@ -39,7 +40,7 @@ impl Points {
             return Err(format!("{} points define no airfoil", points.len()));
         }
         // From below, as the parameter of the contour runs: clockwise.
-        if twice_the_area(&points) > 0.0 {
+        if signed_area(&points) > 0.0 {
             points.reverse();
         }
         let points = normalised(&points)?;
@@ -68,17 +69,6 @@ impl Points {
     pub(super) fn contour(&self) -> Contour<'_> {
         Contour { position: Box::new(|t| [self.x.evaluate(t), self.y.evaluate(t)]), ends: self.ends }
     }
-}
-
-/// Twice the area that the points enclose, positive if they run counter-clockwise.
-fn twice_the_area(points: &[[f64; 2]]) -> f64 {
-    let [first, ..] = points else { return 0.0 };
-    let from_first = |x: &[f64; 2]| [x[0] - first[0], x[1] - first[1]];
-    let triangle = |pair: &[[f64; 2]]| {
-        let [a, b] = [from_first(&pair[0]), from_first(&pair[1])];
-        a[0] * b[1] - a[1] * b[0]
-    };
-    points.windows(2).map(triangle).sum()
 }
 
 /// The points in the order around the airfoil. A file in the format of Lednicer begins with the numbers of points on both sides, each of which

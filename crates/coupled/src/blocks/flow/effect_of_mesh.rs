@@ -54,7 +54,7 @@ impl EffectOfMesh {
         (self.is_old, self.is_small) = (true, None);
     }
 
-    /// The effect last taken, if there is a basis and nobody has judged it since the point of linearisation changed.
+    /// The effect last taken, if there is a basis and its size has not been compared with the residual since the point of linearisation changed.
     pub(super) fn unjudged(&self) -> Option<&Effect> {
         let is_known = !self.direction.is_empty() && !self.basis.is_empty();
         (is_known && self.is_small.is_none()).then_some(&self.effect)

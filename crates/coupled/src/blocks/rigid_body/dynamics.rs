@@ -83,13 +83,45 @@ impl<const D: usize> RigidBody<D> {
         }
     }
 
+    /// The rates at the top, at the coordinates `q`, with which the next slab begins: `rates`, unless a drive ends there. The coordinate then has
+    /// the rate of its drive. An impulse of the drive changes it, so that the momenta of free coordinates stay:
+    ///
+    /// ```text
+    /// sum_l M_kl dw_l = 0 for free k,   dw_l = drive - w_l for released l                                        (release)
+    /// ```
+    pub(super) fn released(&self, q: &[f64], rates: Vec<f64>) -> Vec<f64> {
+        let (count, top) = (self.count(), self.slab.clock.time(1.0));
+        let driven: Vec<usize> = self.driven().collect();
+        let mut change = vec![0.0; count];
+        for &k in driven.iter().filter(|k| !self.data.coordinates[**k].is_driven(top, self.step)) {
+            change[k] = self.exact_rate(k).map_or(0.0, |rate| rate - rates[k]);
+        }
+        if change.iter().all(|change| *change == 0.0) {
+            return rates;
+        }
+        let mass = self.inertia_at(q);
+        let is_free = |k: usize| !driven.contains(&k);
+        let matrix = |k: usize, l: usize| if is_free(k) { mass[(k, l)] } else { f64::from(u8::from(k == l)) };
+        let right = |k: usize| if is_free(k) { 0.0 } else { change[k] };
+        let Some(inverse) = Matrix::from_fn(count, count, matrix).inverse() else { return rates };
+        let mut changes = vec![0.0; count];
+        inverse.apply(&(0..count).map(right).collect::<Vec<_>>(), &mut changes);
+        rates.iter().zip(changes).map(|(rate, change)| rate + change).collect()
+    }
+
+    /// M_kl = g_k . m g_l + G_k . R J R^T G_l at the coordinates `q`.
+    fn inertia_at(&self, q: &[f64]) -> Matrix {
+        let modes = self.data.modes(q);
+        let momenta: Vec<Six<f64>> = modes.iter().map(|mode| self.data.momentum(q, mode)).collect();
+        Matrix::from_fn(self.count(), self.count(), |k, l| dot(&modes[k], &momenta[l]))
+    }
+
     /// The matrix of inertia at the bottom with (added mass) in a slab of length `dt`.
     pub(super) fn inertia_with_fluid(&self, dt: f64) -> Matrix {
         let position = if self.slab.position.is_empty() { vec![0.0; self.count()] } else { self.slab.position.clone() };
-        let (modes, fluid) = (self.data.modes(&position), &self.data.added_mass);
+        let (inertia, fluid) = (self.inertia_at(&position), &self.data.added_mass);
         let layer = fluid.surface_density(self.mean_eigenvalue / dt);
-        let momenta: Vec<Six<f64>> = modes.iter().map(|mode| self.data.momentum(&position, mode)).collect();
-        Matrix::from_fn(self.count(), self.count(), |k, l| dot(&modes[k], &momenta[l]) + layer * fluid.area[(k, l)])
+        Matrix::from_fn(self.count(), self.count(), |k, l| inertia[(k, l)] + layer * fluid.area[(k, l)])
     }
 
     /// T m_L of (added mass), with the derivative (dt W)^-1 T in time: the load of the layer per area and rate, `[a][b]`.

@@ -32,6 +32,8 @@ impl<const D: usize> RigidBody<D> {
             *open += (r - q) * z[i];
         }
         self.add_forces(z, &mut ledger);
+        let [q, rates] = self.at_top(z);
+        ledger.drive += self.kinetic_energy(&q, &self.released(&q, rates.clone())) - self.kinetic_energy(&q, &rates);
         ledger
     }
 

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Modes of a face whose energy grows by more than this factor when blocks are averaged become constraints.
-const DEAR: f64 = 10.0;
+const LARGEST_EIGENVALUE: f64 = 10.0;
 
 /// A functional that is this near to others is left out.
 const DEPENDENT: f64 = 1e-8;
@@ -42,7 +42,7 @@ impl Constraints {
             let number = own[k];
             let mut rows = rows(interface, &interface.pieces[number]);
             if let Some(face) = faces.get(&number) {
-                add_dear_modes(face, &mut rows)?;
+                add_adaptive_constraints(face, &mut rows)?;
             }
             Ok((number, rows))
         };
@@ -126,8 +126,8 @@ fn orthonormal(vectors: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
 /// 1. Scale: both parallel sums in the variables x / d, where d makes the diagonal of S_0 + S_1 one.
 /// 2. Restrict them to Z, a basis of the vectors where `rows` vanish.
 /// 3. Z^T (T_0 : T_1) Z y = w Z^T (S_0 : S_1) Z y by a Cholesky factor of the right side.
-/// 4. Every mode with w < 1 / DEAR gives the functional (S_0 : S_1) v.
-fn add_dear_modes(face: &Face, rows: &mut Vec<Vec<f64>>) -> Result<(), ElasticityError> {
+/// 4. Every mode with w < 1 / LARGEST_EIGENVALUE gives the functional (S_0 : S_1) v.
+fn add_adaptive_constraints(face: &Face, rows: &mut Vec<Vec<f64>>) -> Result<(), ElasticityError> {
     let [s_0, s_1] = &face.stiff;
     let d: Vec<f64> = (0..s_0.nrows()).map(|i| 1.0 / (s_0[(i, i)] + s_1[(i, i)]).sqrt()).collect();
     let scaled = |m: &Mat<f64>| Mat::from_fn(d.len(), d.len(), |i, j| d[i] * m[(i, j)] * d[j]);
@@ -147,12 +147,12 @@ fn add_dear_modes(face: &Face, rows: &mut Vec<Vec<f64>>) -> Result<(), Elasticit
     let eigen = reduced.self_adjoint_eigen(Side::Lower);
     let eigen = eigen.map_err(|cause| ElasticityError::NotDefinite { cause: format!("a face: {cause:?}") })?;
     let values = eigen.S().column_vector();
-    let dear = (0..values.nrows()).take_while(|&k| values[k] < 1.0 / DEAR).count();
-    let mut y = eigen.U().subcols(0, dear).to_owned();
+    let adaptive = (0..values.nrows()).take_while(|&k| values[k] < 1.0 / LARGEST_EIGENVALUE).count();
+    let mut y = eigen.U().subcols(0, adaptive).to_owned();
     let upper = factor.L().transpose();
     faer::linalg::triangular_solve::solve_upper_triangular_in_place(upper, y.as_mut(), faer::Par::Seq);
     let functionals = &stiff * &z * &y;
-    let new = (0..dear).map(|k| functionals.col_as_slice(k).iter().zip(&d).map(|(f, d)| f / d).collect());
+    let new = (0..adaptive).map(|k| functionals.col_as_slice(k).iter().zip(&d).map(|(f, d)| f / d).collect());
     let all = rows.drain(..).chain(new.map(|row: Vec<f64>| unit(row))).collect();
     *rows = orthonormal(all);
     Ok(())

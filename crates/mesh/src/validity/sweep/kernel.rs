@@ -3,7 +3,7 @@
 use super::{Part, Scratch, Sweep, TermBounds};
 use basis::{AllAxes, AlongAxis, apply_all_axes, contract};
 use tensor::pulp::{Simd, WithSimd};
-use tensor::{Lanes, Pack, Real, WIDTH, cofactor, determinant};
+use tensor::{Lanes, Pack, Real, WIDTH, det};
 
 /// Bounds of det J / det J_0 in eight cells.
 #[derive(Clone, Copy, Debug)]
@@ -68,7 +68,7 @@ impl<const D: usize> Sweep<D> {
                 }
                 squares[j] = square.max(squares[j]);
             }
-            let det = determinant(&m, &cofactor(&m));
+            let det = det(&m);
             det.write(&mut work.values[q], part);
             largest = det.abs().max(largest);
             defect += det * 0.0;

@@ -3,7 +3,7 @@
 use basis::{AllAxes, AlongAxis, Lagrange, Matrix, apply_all_axes, contract, gauss_lobatto, scratch_length};
 use tensor::Arch;
 use tensor::pulp::{Scalar, Simd, WithSimd};
-use tensor::{Lanes, Pack, WIDTH, cofactor, determinant, zeroed};
+use tensor::{Lanes, Pack, WIDTH, det, zeroed};
 
 /// The smallest det J / det J_0 on a dense grid with its ends.
 pub(super) struct Oracle<const D: usize> {
@@ -121,7 +121,7 @@ impl<const D: usize> WithSimd for Slice<'_, D> {
                     }
                 }
                 let reference = Lanes::read(simd, &oracle.reference[slice * points + q], part);
-                (determinant(&m, &cofactor(&m)) / reference).write(&mut ratios[q], part);
+                (det(&m) / reference).write(&mut ratios[q], part);
             }
         }
     }

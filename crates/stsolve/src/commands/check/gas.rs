@@ -47,7 +47,7 @@ pub(super) fn gamma<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
 pub(super) fn sutherland<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
     let gas = &flow.law.gas;
     let Viscosity::Sutherland { temperature, .. } = gas.viscosity() else { return None };
-    let reference = reference_temperature(flow);
+    let reference = flow.law.reference.temperature(&flow.law.gas);
     let ratio = reference / temperature;
     if (1.0 / FAR_FROM_SUTHERLAND..=FAR_FROM_SUTHERLAND).contains(&ratio) {
         return None;
@@ -63,7 +63,7 @@ pub(super) fn sutherland<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
 
 /// A temperature of walls in kelvin does not fit a gas whose constant is in other units: with R left at 1 the temperature of the gas is p / rho.
 pub(super) fn wall_temperature<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
-    let gas = reference_temperature(flow);
+    let gas = flow.law.reference.temperature(&flow.law.gas);
     let unlike = |condition: &Boundary<D>| match condition {
         Boundary::IsothermalWall(wall) => {
             wall.temperature().filter(|wall| !(gas / UNLIKE_GAS..=gas * UNLIKE_GAS).contains(wall))
@@ -78,10 +78,4 @@ pub(super) fn wall_temperature<const D: usize>(facts: &Facts<'_, D>, flow: &Flow
         flow.law.gas.gas_constant()
     );
     warning("wall temperature", text)
-}
-
-/// The temperature of the reference state, p / (rho R).
-fn reference_temperature<const D: usize>(flow: &Flow<D>) -> f64 {
-    let (gas, sound) = (&flow.law.gas, flow.reference_speed / flow.law.reference.mach());
-    sound * sound / (gas.gamma() * gas.gas_constant())
 }

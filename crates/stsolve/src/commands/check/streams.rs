@@ -74,7 +74,7 @@ fn differ<const D: usize>(start: &Primitive<f64, D>, outside: &Primitive<f64, D>
 
 fn described<const D: usize>(stream: &Primitive<f64, D>, gas: &Gas) -> String {
     let Primitive { density, velocity, pressure } = stream;
-    let mach = norm(velocity) / (gas.gamma() * pressure / density).sqrt();
+    let mach = gas.mach(stream);
     format!("density {density}, velocity {velocity:?}, pressure {pressure:.5}, Mach {mach:.3}")
 }
 
