@@ -32,7 +32,9 @@ struct Arc {
     curve: Vec<[f64; 2]>,
     /// Whether it passes the nodes of the face in decreasing order.
     is_reversed: bool,
-    /// Its C0 nodes: rows along the curve, one in the plane, in space one for each height, the lowest first.
+    /// Its C0 nodes, in the order of the lattice of the face.
+    nodes: Vec<usize>,
+    /// Rows along the curve, by the lattice: one in the plane, in space one for each height, the lowest first.
     rows: Vec<Vec<usize>>,
     /// The length of the curve up to the nodes of a row.
     lengths: Vec<f64>,
@@ -49,10 +51,16 @@ impl Arc {
         self.curve[self.curve.len() - 1]
     }
 
-    /// Where its lowest row begins and ends, with the nodes.
-    fn ends(&self) -> [([f64; 2], usize); 2] {
+    /// The nodes at which its lowest row begins and ends.
+    fn end_nodes(&self) -> [usize; 2] {
         let row = &self.rows[0];
-        [(self.start(), row[0]), (self.end(), row[row.len() - 1])]
+        [row[0], row[row.len() - 1]].map(|index| self.nodes[index])
+    }
+
+    /// The same with their positions.
+    fn ends(&self) -> [([f64; 2], usize); 2] {
+        let [first, last] = self.end_nodes();
+        [(self.start(), first), (self.end(), last)]
     }
 
     /// The same, with `points` along the curve and along z.
@@ -65,7 +73,7 @@ impl Arc {
             // The points lie symmetrically, so that only those of the face turn round.
             lines.reverse();
         }
-        let column = |k: usize| self.rows.iter().map(|row| row[k]).collect();
+        let column = |k: usize| self.rows.iter().map(|row| self.nodes[row[k]]).collect();
         let end_nodes = [column(0), column(self.rows[0].len() - 1)];
         Strip { ends: [self.start(), self.end()], end_nodes, speeds, lines }
     }
@@ -78,22 +86,29 @@ impl<const D: usize> Mesh<D> {
     /// In three dimensions the same for a wall that is such a curve extruded along z, up to the round-off of a file.
     /// `None` for other boundaries.
     pub fn arc_fractions(&self, numbering: &NodeNumbering, boundary: usize) -> Option<BTreeMap<usize, f64>> {
+        let of_faces = self.arc_fractions_of_faces(numbering, boundary)?;
+        let nodes = self.sides_of(boundary).flat_map(|side| numbering.face::<D>(side));
+        // The end of the last arc is the start of the first.
+        let wrapped = |fraction: f64| if fraction >= 1.0 { 0.0 } else { fraction };
+        Some(nodes.zip(of_faces.concat().into_iter().map(wrapped)).collect())
+    }
+
+    /// The same for every facet of the `boundary`, in the order of the lattice of its face. At the end of the curve it is 1.
+    pub fn arc_fractions_of_faces(&self, numbering: &NodeNumbering, boundary: usize) -> Option<Vec<Vec<f64>>> {
         let tolerance = SAME * self.diameter();
         let arcs: Vec<Arc> =
             self.sides_of(boundary).map(|side| self.arc(numbering, side, tolerance)).collect::<Option<_>>()?;
         let lowest = arcs.iter().map(|arc| arc.height).fold(f64::INFINITY, f64::min);
         let of_curve = follow(arcs.iter().filter(|arc| arc.height <= lowest + tolerance).collect())?;
         let places = Places::new(of_curve, tolerance);
-        let mut fractions = BTreeMap::new();
-        for arc in &arcs {
-            let of_row = places.at(arc.start())?;
-            for row in &arc.rows {
-                fractions.extend(row.iter().copied().zip(of_row.iter().copied()));
+        let of_face = |arc: &Arc| {
+            let (of_row, mut fractions) = (places.at(arc.start())?, vec![0.0; arc.nodes.len()]);
+            for (index, fraction) in arc.rows.iter().flat_map(|row| row.iter().zip(of_row)) {
+                fractions[*index] = *fraction;
             }
-        }
-        // The end of the last arc is the start of the first.
-        fractions.values_mut().filter(|fraction| **fraction >= 1.0).for_each(|fraction| *fraction = 0.0);
-        Some(fractions)
+            Some(fractions)
+        };
+        arcs.iter().map(of_face).collect()
     }
 
     /// The face `side` of a mesh in three dimensions as a strip with the Gauss `points` along its arc. x and y on its lines along z differ by
@@ -112,7 +127,7 @@ impl<const D: usize> Mesh<D> {
         let nodes = numbering.face::<D>(side);
         let count = if D == 2 { 1 } else { m };
         let mut rows: Vec<Vec<usize>> =
-            (0..count).map(|row| (0..m).map(|k| nodes[index(across, m, k, row)]).collect()).collect();
+            (0..count).map(|row| (0..m).map(|k| index(across, m, k, row)).collect()).collect();
         let is_reversed = self.is_domain_left(side, [curve[0], curve[n - 1]]);
         if is_reversed {
             curve.reverse();
@@ -124,7 +139,7 @@ impl<const D: usize> Mesh<D> {
         }
         let height = if D == 2 { 0.0 } else { height(0).min(height(n - 1)) };
         let lengths = lengths(&curve, m);
-        Some(Arc { across, curve, is_reversed, rows, lengths, height })
+        Some(Arc { across, curve, is_reversed, nodes, rows, lengths, height })
     }
 
     /// Whether the domain is on the left of a face that runs between `ends` in the plane. The right of (t_x, t_y) is (t_y, -t_x).
@@ -183,7 +198,7 @@ fn follow(arcs: Vec<&Arc>) -> Option<Vec<([f64; 2], Vec<f64>)>> {
     let mut by_node: BTreeMap<usize, &Arc> = BTreeMap::new();
     for arc in arcs {
         // Two facets that begin in one node do not form a curve.
-        if by_node.insert(arc.rows[0][0], arc).is_some() {
+        if by_node.insert(arc.end_nodes()[0], arc).is_some() {
             return None;
         }
     }
@@ -191,7 +206,7 @@ fn follow(arcs: Vec<&Arc>) -> Option<Vec<([f64; 2], Vec<f64>)>> {
     loop {
         let arc = by_node.remove(&node)?;
         let row: Vec<f64> = arc.lengths.iter().map(|along| length + along).collect();
-        (length, node) = (row[row.len() - 1], arc.rows[0][row.len() - 1]);
+        (length, node) = (row[row.len() - 1], arc.end_nodes()[1]);
         fractions.push((arc.start(), row));
         if node == first {
             break;

@@ -242,6 +242,17 @@ mod tests {
         .unwrap()
     }
 
+    /// A facet may span the whole curve: it begins at 0 and ends at 1, in one node.
+    #[test]
+    fn a_single_facet_has_its_fractions() {
+        let mesh = channel(1, true);
+        let numbering = NodeNumbering::new(&mesh, 3);
+        for (name, expected) in [("top", [0.0, 0.5, 1.0]), ("bottom", [1.0, 0.5, 0.0])] {
+            let [of_face] = &mesh.arc_fractions_of_faces(&numbering, named(&mesh, name)).unwrap()[..] else { panic!() };
+            assert!(of_face.iter().zip(expected).all(|(s, t)| (s - t).abs() < 1e-14), "{name}: {of_face:?}");
+        }
+    }
+
     /// The wall at the top began a cell after the largest x: its arcs run along x, so that none of them starts there.
     #[test]
     fn periodic_walls_begin_at_their_largest_x() {

@@ -67,6 +67,16 @@ fn no_layer_where_the_case_forbids_it() {
     assert!(summary.get("start_layer").is_none() && number(&summary, "rejected_slabs") >= 1.0, "{summary}");
 }
 
+/// The layer destroyed initial states that have the velocity of the walls, as soon as their first slab was not solved.
+#[test]
+fn a_state_that_fits_the_walls_keeps_its_velocity() {
+    let directory = TempDir::new().unwrap();
+    let set = ["solver.newton_steps=1", "solver.newton_tolerance=1e-13", "solver.slab_halvings=0"];
+    let outcome = on_case(directory.path(), "run", "couette", &set, "run", &[]);
+    outcome.expect(1, &["too few Newton steps are allowed"]);
+    assert!(!outcome.stderr.contains("boundary layer"), "{}", outcome.stderr);
+}
+
 /// Asks for a stop when it is asked for the second time: after the first attempt at the first slab.
 #[derive(Default)]
 struct AfterOneAttempt(AtomicUsize);

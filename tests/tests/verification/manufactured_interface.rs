@@ -16,15 +16,16 @@ fn orders([coarse, fine]: [Setting; 2], ratio: f64) -> [f64; 3] {
     orders
 }
 
-/// The load of the gas on the wall may be as inaccurate as its stress; of the solid, velocities at N_s = 4 feel that most.
+/// The load of the gas on the wall may be as inaccurate as its stress. On coarse meshes velocities of the solid at N_s = 4 feel that: between 4 and 8
+/// cells their order is 3.7.
 #[test]
 fn the_order_in_space_is_n_s() {
-    for (order, cells) in [(2, [4, 8]), (3, [4, 8]), (4, [4, 8]), (5, [3, 6])] {
+    for (order, cells) in [(2, [4, 8]), (3, [4, 8]), (4, [8, 16]), (5, [3, 6])] {
         let setting = |cells| Setting { order, time_order: 3, cells, slabs: 4 * order };
         let [flow, displacement, velocity] = orders(cells.map(setting), 2.0);
         let wanted = order as f64 - 0.2;
-        assert!(flow >= wanted && displacement >= wanted, "N_s = {order}: {flow:.2}, {displacement:.2}");
-        assert!(velocity >= wanted - 0.2, "N_s = {order}: {velocity:.2}");
+        let least = flow.min(displacement).min(velocity);
+        assert!(least >= wanted, "N_s = {order}: {flow:.2}, {displacement:.2}, {velocity:.2}");
     }
 }
 

@@ -159,7 +159,7 @@ impl<const D: usize> FlowAverages<'_, D> {
         (0..nodes).map(state).collect()
     }
 
-    /// d_j v_i at the nodes of a cell at `positions`, `[node][j][i]`, of the polynomial through the velocities at the nodes.
+    /// d_j w_i at the nodes of a cell at `positions`, `[node][j][i]`, of the polynomial through the velocities at the nodes.
     fn gradients(&self, states: &[Primitive<f64, D>], positions: &[f64]) -> Vec<[[f64; D]; D]> {
         let order = self.order;
         let sampler = Sampler::<D>::new(order, self.mover.reference.order(), &gauss_lobatto(order).points);

@@ -1,20 +1,20 @@
 //! The quantities that are summed, and the averages that follow from the sums.
 //!
-//! An average is a sum of products of means and covariances. Those of the kinetic energy of fluctuations, k = <v_i' v_i'> / 2, are
+//! An average is a sum of products of means and covariances. Those of the kinetic energy of fluctuations, k = <w_i' w_i'> / 2, are
 //!
 //! ```text
-//! production          = -<v_i' v_j'> d_j <v_i>                                                                     (budget)
-//! dissipation         = ( <tau_ij d_j v_i> - <tau_ij> <d_j v_i> ) / <rho>
-//! pressure_dilatation = <p' (div v)'> / <rho>
-//! turbulent_flux_j    = <v_i' v_i' v_j'> / 2
-//! pressure_flux_j     = <p' v_j'> / <rho>
-//! viscous_flux_j      = -<tau_ij' v_i'> / <rho>
+//! production          = -<w_i' w_j'> d_j <w_i>                                                                     (budget)
+//! dissipation         = ( <tau_ij d_j w_i> - <tau_ij> <d_j w_i> ) / <rho>
+//! pressure_dilatation = <p' (div w)'> / <rho>
+//! turbulent_flux_j    = <w_i' w_i' w_j'> / 2
+//! pressure_flux_j     = <p' w_j'> / <rho>
+//! viscous_flux_j      = -<tau_ij' w_i'> / <rho>
 //! ```
 //!
-//! In time d_j <v_i> = <d_j v_i>. An average along an axis does not depend on the place there: its derivative along that axis is zero, whereas
-//! <d_j v_i> is the difference of both ends by their distance, see [`Moments::along`].
+//! In time d_j <w_i> = <d_j w_i>. An average along an axis does not depend on the place there: its derivative along that axis is zero, whereas
+//! <d_j w_i> is the difference of both ends by their distance, see [`Moments::along`].
 //!
-//! With a uniform density `d_t k + <v> . grad k` = production + pressure_dilatation - dissipation - the divergence of the three fluxes.
+//! With a uniform density `d_t k + <w> . grad k` = production + pressure_dilatation - dissipation - the divergence of the three fluxes.
 //! S. B. Pope, Turbulent Flows (2000), equation 5.164, has it for an incompressible fluid.
 
 use AveragedQuantity::{
@@ -36,15 +36,15 @@ pub enum AveragedQuantity {
     Velocity(usize),
     /// A component of the momentum per volume.
     Momentum(usize),
-    /// d_j v_i, by j and i.
+    /// d_j w_i, by j and i.
     Gradient(usize, usize),
     /// div v
     Divergence,
     /// tau_ij
     Stress(usize, usize),
-    /// tau_ij d_j v_i
+    /// tau_ij d_j w_i
     DissipatedPower,
-    /// |v|^2 v_j / 2
+    /// |v|^2 w_j / 2
     EnergyFlux(usize),
 }
 
@@ -54,7 +54,7 @@ impl AveragedQuantity {
         matches!(self, Gradient(..) | Divergence | Stress(..) | DissipatedPower)
     }
 
-    /// Its value in a state with the gradient `gradient[j][i]` = d_j v_i.
+    /// Its value in a state with the gradient `gradient[j][i]` = d_j w_i.
     pub fn of<const D: usize>(self, gas: &Gas, state: &Primitive<f64, D>, gradient: &[[f64; D]; D]) -> f64 {
         let stress = || viscous_stress(gas, state, gradient);
         match self {
@@ -232,19 +232,19 @@ impl Moments {
         ]);
     }
 
-    /// -<v_i' v_j'> d_j <v_i>
+    /// -<w_i' w_j'> d_j <w_i>
     fn produced(&mut self, i: usize, j: usize) -> Product {
         (-1.0, vec![self.covariance([Velocity(i), Velocity(j)]), self.mean(Gradient(j, i))])
     }
 
-    /// <tau_ij d_j v_i> - <tau_ij> <d_j v_i>
+    /// <tau_ij d_j w_i> - <tau_ij> <d_j w_i>
     fn dissipated<const D: usize>(&mut self) -> Vec<Product> {
         let all = (1.0, vec![self.mean(DissipatedPower)]);
         let of_mean = |[i, j]: [usize; 2]| (-1.0, vec![self.mean(stress(i, j)), self.mean(Gradient(j, i))]);
         std::iter::once(all).chain(pairs::<D>().map(of_mean)).collect()
     }
 
-    /// <v_i' v_i' v_j'> / 2 = <|v|^2 v_j> / 2 - <v_i> <v_i' v_j'> - <v_j> ( <v_i' v_i'> + <v_i> <v_i> ) / 2
+    /// <w_i' w_i' w_j'> / 2 = <|v|^2 w_j> / 2 - <w_i> <w_i' w_j'> - <w_j> ( <w_i' w_i'> + <w_i> <w_i> ) / 2
     fn carried<const D: usize>(&mut self, j: usize) -> Vec<Product> {
         let mut products = vec![(1.0, vec![self.mean(EnergyFlux(j))])];
         for i in 0..D {
@@ -256,7 +256,7 @@ impl Moments {
         products
     }
 
-    /// -<tau_ij' v_i'>
+    /// -<tau_ij' w_i'>
     fn diffused<const D: usize>(&mut self, j: usize) -> Vec<Product> {
         (0..D).map(|i| (-1.0, vec![self.covariance([stress(i, j), Velocity(i)])])).collect()
     }

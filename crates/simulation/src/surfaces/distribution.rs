@@ -22,7 +22,6 @@ use fem::{BoundaryPoint, ConservationLaw, Inside, PointFlux, Quadrature, Sampler
 use mesh::{BoundaryFacet, axis_and_side, outward_area, outward_sign};
 use navier_stokes::{Boundary, NavierStokes, Primitive};
 use output::ArraySpec;
-use std::collections::BTreeMap;
 use tensor::{cofactor, det, dot, norm};
 
 /// The flow at the end of a slab.
@@ -93,7 +92,7 @@ impl<const D: usize> SurfaceFlow<'_, D> {
         NavierStokes<D>: ConservationLaw<D, M, Boundary = Boundary<D>>,
     {
         let mesh = &self.mover.reference;
-        let fractions = mesh.arc_fractions(&self.mover.numbering, wall.boundary).unwrap_or_default();
+        let fractions = mesh.arc_fractions_of_faces(&self.mover.numbering, wall.boundary);
         let orders = [self.flow.order, self.mesh_order()];
         let faces: Vec<FacePoints<D>> = (0..2 * D).map(|face| FacePoints::with_rule(face, orders, self.rule)).collect();
         let on_arc: Vec<FacePoints<D>> =
@@ -108,7 +107,8 @@ impl<const D: usize> SurfaceFlow<'_, D> {
         for facet in curve::in_order(mesh, &self.mover.numbering, &facets) {
             let face = facets[facet].side.face;
             let mut rows = self.of_facet::<M>(wall, &facets[facet], &faces[face], seen);
-            self.add_fractions(facets[facet].side.cell, &on_arc[face], &fractions, &mut rows);
+            let of_facet = fractions.as_ref().map(|fractions| &fractions[facet][..]);
+            self.add_fractions(face, &on_arc[face], of_facet, &mut rows);
             if D == 2 {
                 if curve::is_reversed(facets[facet].side.face) {
                     rows.reverse();
@@ -132,17 +132,13 @@ impl<const D: usize> SurfaceFlow<'_, D> {
         }
     }
 
-    /// Puts the fraction of the arc into the rows of a facet of `cell`.
-    fn add_fractions(
-        &self,
-        cell: usize,
-        points: &FacePoints<D>,
-        fractions: &BTreeMap<usize, f64>,
-        rows: &mut [Vec<f64>],
-    ) {
-        let nodes = self.mover.numbering.cell(cell);
+    /// Puts the fraction of the arc into the rows of a facet, from that at its nodes; NaN where the wall is no closed curve.
+    fn add_fractions(&self, face: usize, points: &FacePoints<D>, of_nodes: Option<&[f64]>, rows: &mut [Vec<f64>]) {
+        let nodes = mesh::face_nodes(D, self.mover.numbering.order(), face);
         for (row, [_, of_mesh]) in rows.iter_mut().zip(&points.functions) {
-            row[0] = along_arc(nodes.iter().map(|node| fractions.get(node).copied()), of_mesh);
+            let at_point =
+                |of_nodes: &[f64]| of_nodes.iter().zip(&nodes).map(|(s, node)| s * of_mesh[*node]).sum::<f64>();
+            row[0] = of_nodes.map_or(f64::NAN, at_point).rem_euclid(1.0);
         }
     }
 
@@ -296,14 +292,4 @@ fn unit_normal<const D: usize, const M: usize>(here: &Here<'_, D, M>) -> ([f64; 
 pub fn physical<const D: usize, const M: usize>(slopes: &[[f64; M]; D], jacobian: &[[f64; D]; D]) -> [[f64; M]; D] {
     let (cof, det) = (cofactor(jacobian), det(jacobian));
     std::array::from_fn(|k| std::array::from_fn(|m| (0..D).map(|j| cof[k][j] * slopes[j][m]).sum::<f64>() / det))
-}
-
-/// The fraction of the arc at a point of a facet, from those of its nodes; NaN where the wall is no closed curve.
-fn along_arc(nodes: impl Iterator<Item = Option<f64>>, functions: &[f64]) -> f64 {
-    let known: Vec<(f64, f64)> =
-        nodes.zip(functions).filter_map(|(s, phi)| Some((s?, *phi))).filter(|(_, phi)| *phi != 0.0).collect();
-    let largest = known.iter().fold(f64::NEG_INFINITY, |most: f64, (s, _)| most.max(*s));
-    // Zero and one are the same place.
-    let sum: f64 = known.iter().map(|(s, phi)| phi * if largest - s > 0.5 { s + 1.0 } else { *s }).sum();
-    if known.is_empty() { f64::NAN } else { sum.rem_euclid(1.0) }
 }
