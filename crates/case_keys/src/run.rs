@@ -12,6 +12,7 @@ use std::path::PathBuf;
 #[serde(deny_unknown_fields)]
 pub struct Time {
     /// N_t, the nodes in time of a slab, 1 to 16: order of accuracy 2 N_t - 1 at the end of a slab, less with boundary values that change in time.
+    /// Forces at slab ends on walls that accelerate have order N_t - 1, their means over a slab N_t.
     pub order: usize,
     /// The start. With `[restart]` the run goes on from where the other one stands; only its slabs count from here.
     #[serde(default)]

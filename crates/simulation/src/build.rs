@@ -1,9 +1,11 @@
 //! From a checked case to the problem of the numerics.
 
+mod driven_bodies;
 mod mesh_motion;
 mod no_slip_walls;
 mod structure;
 
+pub use driven_bodies::nodes_of_driven_bodies;
 pub use mesh_motion::{PrescribedNode, elasticity_plan, mover, mover_of, prescribed_nodes};
 pub use structure::{StructureAtStart, solid, structure_at_start, structure_march, supported};
 

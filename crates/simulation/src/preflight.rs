@@ -56,7 +56,7 @@ macro_rules! with_components {
                 probe::move_over_run(self)
             }
             fn prescribed_nodes(&self) -> Vec<PrescribedNode<$d>> {
-                build::prescribed_nodes(self)
+                [build::prescribed_nodes(self), build::nodes_of_driven_bodies(self)].concat()
             }
             fn elasticity_plan(&self) -> Option<elasticity::Plan> {
                 build::elasticity_plan(self)

@@ -160,3 +160,40 @@ fn friction_on_a_wall_that_slides_faster_and_faster_does_not_depend_on_the_cells
         assert!((friction / exact - 1.0).abs() <= 2e-3, "{cells} cells: {friction}, exact {exact}");
     }
 }
+
+/// A closed box of gas that is shaken as a whole: the net force is - m a, for sound crosses the box in no time. Forces at slab ends have order
+/// N_t - 1, means over slabs N_t.
+#[test]
+fn the_force_that_accelerates_gas_with_its_walls() {
+    const OMEGA: f64 = 200.0;
+    let directory = TempDir::new().unwrap();
+    let case = "[mesh]\norder=3\ngenerate.box={lower=[0,0],upper=[0.01,0.01],cells=[2,2]}\n[motion]\n\
+                displacement=[\"1e-3*(1-cos(200*t))\",0]\n[flow]\norder=4\ngas={gas_constant=287}\n\
+                reference={density=1.2,speed=0.2,pressure=101325,length=0.01}\n\
+                initial.uniform={density=1.2,velocity=[0,0],pressure=101325}\nboundary={others=\"slip_wall\"}\n\
+                [time]\norder=2\nend=\"2*pi/200\"\nslabs=24\n";
+    let errors = |order: usize, slabs: usize| {
+        let set = [format!("time.order={order}"), format!("time.slabs={slabs}")];
+        on_text(directory.path(), case, &[&set[0], &set[1]], "run", &["--force"]).expect(0, &[]);
+        let run = directory.path().join("run");
+        let both =
+            |name: &str| column(&run, &format!("left_{name}")).into_iter().zip(column(&run, &format!("right_{name}")));
+        let (t, dt) = (column(&run, "t"), column(&run, "dt"));
+        let at_end = both("force_x").zip(&t).map(|((left, right), t)| (left + right, (OMEGA * t).cos()));
+        let mean = both("impulse_in_slab_x").zip(t.iter().zip(&dt)).map(|((left, right), (t, dt))| {
+            let rates = [t - dt, *t].map(|t| (OMEGA * t).sin() / OMEGA);
+            ((left + right) / dt, (rates[1] - rates[0]) / dt)
+        });
+        // - m a over m A omega^2, after the first quarter.
+        let amplitude = 1.2e-4 * 1e-3 * OMEGA * OMEGA;
+        let largest = |forces: Vec<(f64, f64)>| {
+            forces[slabs / 4..].iter().map(|(force, a)| (force / amplitude + a).abs()).fold(0.0, f64::max)
+        };
+        [largest(at_end.collect()), largest(mean.collect())]
+    };
+    for (order, at_end, mean) in [(1, 1.0, 1.0), (2, 1.0, 2.0), (3, 2.0, 3.0)] {
+        let [coarse, fine] = [errors(order, 24), errors(order, 48)];
+        let order_of = |i: usize| (coarse[i] / fine[i]).log2();
+        assert!(order_of(0) > at_end - 0.2 && order_of(1) > mean - 0.2, "N_t = {order}: {coarse:?} {fine:?}");
+    }
+}

@@ -101,6 +101,10 @@ fn check_warns_of_doubtful_bodies() {
     let cylinder = "cylinder_viv.toml";
     assert!(warns(cylinder, &["bodies.cylinder.y={motion=\"0.1*t\"}"], "start of the motion"));
     assert!(!warns(cylinder, &["bodies.cylinder.y={motion=\"0.1*t^2\"}"], "start of the motion"));
+    // Prescribed bodies were no motion: neither fast walls were told, nor a rest that adapted slabs may step over.
+    assert!(warns(cylinder, &["bodies.cylinder.y={motion=\"2*t^2\"}"], "speed of walls"));
+    let pulse = "bodies.cylinder.y={motion=\"if(t<3,0,if(t<3.3,1-cos(2*pi*(t-3)/0.3),0))\"}";
+    assert!(warns(cylinder, &[pulse, "time.adaptive={tolerance=0.01}", "time.end=5"], "longest slab"));
     let (walls, subject) = ("flow.boundary.far=\"slip_wall\"", "wall beside a body");
     assert!(warns(cylinder, &[walls, "bodies.cylinder.mesh.between.outer=60"], subject));
     assert!(!warns(cylinder, &[walls], subject));

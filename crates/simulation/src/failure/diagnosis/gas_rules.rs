@@ -91,7 +91,9 @@ pub fn boundary_condition(data: &FailureData) -> Option<Cause> {
     let weighed = |mismatch: &Option<Mismatch>, weight: f64| {
         mismatch.clone().map(|mismatch| (weight * rises(size(&mismatch), 0.7), mismatch))
     };
-    let at_start = gas.at_start.mismatch.clone().filter(|_| has_initial_state(gas));
+    // The initial state of a search for the steady flow is gone once that is found.
+    let is_past = gas.start == FlowStart::SteadyFlow && !data.attempt.steady;
+    let at_start = gas.at_start.mismatch.clone().filter(|_| has_initial_state(gas) && !is_past);
     let (start, last) = (weighed(&at_start, weight), weighed(&gas.last.mismatch, 0.5));
     let (likelihood, mismatch) = [start, last].into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
     if mismatch.size < SLIGHT {
