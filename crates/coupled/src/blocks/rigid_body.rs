@@ -31,7 +31,7 @@ mod loads;
 
 pub use coordinate::{Coordinate, Drive, Freedom, Stops};
 pub use data::{AddedMass, RigidBodyData};
-pub use geometry::{Surface, SurfaceNode};
+pub use geometry::{BodyPosition, Surface, SurfaceNode};
 use loads::Loads;
 
 use crate::block::{Block, Body, BodyState, Couplings, Exchange, Ledger, Quantity};

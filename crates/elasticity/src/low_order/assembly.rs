@@ -95,7 +95,7 @@ pub(crate) struct LowOrderTerms<'a, const D: usize, F> {
     pub(crate) numbering: &'a NodeNumbering,
     /// The samples of a cell at the Gauss-Lobatto nodes of the numbering's order.
     pub(crate) samples: F,
-    /// The components that are held, by C0 node. Their rows and columns are zero but for the diagonal.
+    /// The components that are held, by C0 node. Of their rows and columns only the diagonal is kept.
     pub(crate) fixed: &'a [[bool; D]],
 }
 

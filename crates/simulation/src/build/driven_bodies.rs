@@ -5,11 +5,10 @@ use crate::bodies::in_space;
 use case::Case;
 use case::expression::Program;
 use coupled::BoundaryField;
-use coupled::blocks::rigid_body::{Freedom as Direction, Vec3};
+use coupled::blocks::rigid_body::{BodyPosition, Freedom as Direction, Vec3};
 use mesh::NodeNumbering;
-use std::array::from_fn;
 use std::sync::Arc;
-use tensor::{Dual, Transcendental, moved_by_rotation};
+use tensor::{Dual, Transcendental};
 
 /// A body whose free coordinates rest.
 struct DrivenBody {
@@ -20,20 +19,14 @@ struct DrivenBody {
 
 impl DrivenBody {
     fn displacement<T: Transcendental, const D: usize>(&self, x: &[f64; D], t: T) -> [T; D] {
-        let (mut translation, mut rotation) = ([T::from(0.0); 3], [T::from(0.0); 3]);
-        for (direction, motion, release) in &self.drives {
+        let value = |(direction, motion, release): &(Direction, Program, Option<f64>)| {
             // After its release nothing is known of it.
             let t = release.map_or(t, |release| t.min(T::from(release)));
-            let value: T = motion.evaluate(&[], t);
-            let (vector, sum) = match direction {
-                Direction::Translation(vector) => (vector, &mut translation),
-                Direction::Rotation(vector) => (vector, &mut rotation),
-            };
-            (0..3).for_each(|i| sum[i] += value * vector[i]);
-        }
+            (*direction, motion.evaluate(&[], t))
+        };
         let x = in_space(x);
-        let turned = moved_by_rotation(&rotation, &from_fn(|i| T::from(x[i] - self.pivot[i])));
-        from_fn(|i| translation[i] + turned[i])
+        let arm = std::array::from_fn(|i| x[i] - self.pivot[i]);
+        BodyPosition::new(self.drives.iter().map(value)).displacement(&arm, 1.0)
     }
 }
 
@@ -49,8 +42,12 @@ impl<const D: usize> BoundaryField<D> for DrivenBody {
 
 /// The C0 nodes on the walls of bodies with prescribed coordinates, with the motion that these give them.
 pub fn nodes_of_driven_bodies<const D: usize>(case: &Case<D>) -> Vec<PrescribedNode<D>> {
-    let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
     let mut nodes = Vec::new();
+    if case.bodies.is_empty() {
+        return nodes;
+    }
+    let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
+    let positions = numbering.positions(&case.mesh);
     for body in &case.bodies {
         let drive = |freedom: &case::Freedom| Some((freedom.direction, freedom.motion.clone()?, freedom.release));
         let drives: Vec<_> = body.freedoms.iter().filter_map(drive).collect();
@@ -58,7 +55,6 @@ pub fn nodes_of_driven_bodies<const D: usize>(case: &Case<D>) -> Vec<PrescribedN
             continue;
         }
         let field: Arc<dyn BoundaryField<D>> = Arc::new(DrivenBody { pivot: in_space(&body.pivot), drives });
-        let positions = numbering.positions(&case.mesh);
         let walls = body.walls.iter().flat_map(|&wall| numbering.on_boundary(&case.mesh, wall));
         nodes.extend(walls.map(|node| (node, positions[node], field.clone())));
     }

@@ -62,11 +62,40 @@ impl<const D: usize> Surface<D> {
 }
 
 /// The position of a body.
-pub(super) struct BodyPosition<T> {
+pub struct BodyPosition<T> {
     /// h
     pub(super) h: [T; 3],
     /// Theta
     pub(super) theta: [T; 3],
+    /// Whether a coordinate is a rotation.
+    rotates: bool,
+}
+
+impl<T: Transcendental> BodyPosition<T> {
+    /// h and Theta of coordinates with these values.
+    pub fn new(coordinates: impl Iterator<Item = (Freedom, T)>) -> Self {
+        let zero = [T::from(0.0); 3];
+        let mut position = BodyPosition { h: zero, theta: zero, rotates: false };
+        for (freedom, q) in coordinates {
+            position.rotates |= freedom.rotates();
+            let (sum, direction) = match freedom {
+                Freedom::Translation(direction) => (&mut position.h, direction),
+                Freedom::Rotation(axis) => (&mut position.theta, axis),
+            };
+            (0..3).for_each(|i| sum[i] += q * direction[i]);
+        }
+        position
+    }
+
+    /// The displacement of a point at `arm` from the pivot at rest, with the weight w, (rigid motion).
+    pub fn displacement<const D: usize>(&self, arm: &Vec3, weight: f64) -> [T; D] {
+        let translated = std::array::from_fn(|d| self.h[d] * weight);
+        if !self.rotates {
+            return translated;
+        }
+        let turned = moved_by_rotation(&self.theta.map(|theta| theta * weight), &arm.map(T::from));
+        std::array::from_fn(|d| translated[d] + turned[d])
+    }
 }
 
 impl RigidBodyData {
@@ -75,22 +104,9 @@ impl RigidBodyData {
         self.place(q).theta
     }
 
-    /// Whether a coordinate is a rotation.
-    fn rotates(&self) -> bool {
-        self.coordinates.iter().any(|coordinate| coordinate.freedom.rotates())
-    }
-
     /// h and Theta at the coordinates `q`.
     pub(super) fn place<T: Transcendental>(&self, q: &[T]) -> BodyPosition<T> {
-        let mut place = BodyPosition { h: [T::from(0.0); 3], theta: [T::from(0.0); 3] };
-        for (coordinate, q) in self.coordinates.iter().zip(q) {
-            let (sum, direction) = match coordinate.freedom {
-                Freedom::Translation(direction) => (&mut place.h, direction),
-                Freedom::Rotation(axis) => (&mut place.theta, axis),
-            };
-            (0..3).for_each(|i| sum[i] += *q * direction[i]);
-        }
-        place
+        BodyPosition::new(self.coordinates.iter().map(|coordinate| coordinate.freedom).zip(q.iter().copied()))
     }
 
     /// X - p
@@ -104,13 +120,7 @@ impl RigidBodyData {
         node: &SurfaceNode<D>,
         place: &BodyPosition<T>,
     ) -> [T; D] {
-        let translated = std::array::from_fn(|d| place.h[d] * node.weight);
-        if !self.rotates() {
-            return translated;
-        }
-        let arm = self.arm(&node.position).map(T::from);
-        let turned = moved_by_rotation(&place.theta.map(|theta| theta * node.weight), &arm);
-        std::array::from_fn(|d| translated[d] + turned[d])
+        place.displacement(&self.arm(&node.position), node.weight)
     }
 
     /// Velocity of the pivot and angular velocity per rate of every coordinate: (e_k, 0) or (0, G_k).
