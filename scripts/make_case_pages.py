@@ -40,12 +40,15 @@ def header(text):
     for line in text.removeprefix(SCHEMA_LINE).splitlines():
         if not line.startswith("#"):
             break
-        lines.append(line[1:].strip())
-    return [" ".join(part.split("\n")) for part in "\n".join(lines).split("\n\n")]
+        lines.append(line[1:].removeprefix(" ").rstrip())
+    return "\n".join(lines).split("\n\n")
 
 
 def markdown(paragraph):
-    """A paragraph with its first words in bold, if they say what it is about; a star is a star."""
+    """A paragraph on one line, with its first words in bold if they say what it is about; a star is a star. Indented lines stay as they are."""
+    if paragraph.startswith("    "):
+        return paragraph
+    paragraph = " ".join(paragraph.split("\n"))
     lead, colon, rest = paragraph.replace("*", r"\*").partition(":")
     known = ("what it shows", "where it comes from", "what to expect", "what it costs")
     return f"**{lead}:**{rest}" if colon and lead.lower().startswith(known) else paragraph
@@ -136,7 +139,7 @@ def write_lists():
     pages = sorted(page for page in (BOOK / "cases").glob("*.md") if page.stem != "README")
     titles = {page.stem: page.read_text().splitlines()[0].removeprefix("# ") for page in pages}
     table = ["# Cases", "", "The shipped cases, each with a picture and the numbers to expect. `scripts/make_case_pages.py` writes the pages from",
-             "the cases and their runs. [Speed](../speed.md) lists their seconds.", "", "| | case | shows |", "|---|---|---|"]
+             "the cases and their runs. [Speed](../speed.md) lists the seconds of some.", "", "| | case | shows |", "|---|---|---|"]
     table += [f"| {thumbnail(name, title)} | [`{name}`]({name}.md) | {title} |" for name, title in titles.items()]
     (BOOK / "cases" / "README.md").write_text("\n".join(table) + "\n")
     summary = BOOK / "SUMMARY.md"

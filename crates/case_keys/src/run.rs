@@ -12,7 +12,7 @@ use std::path::PathBuf;
 #[serde(deny_unknown_fields)]
 pub struct Time {
     /// N_t, the nodes in time of a slab, 1 to 16: order of accuracy 2 N_t - 1 at the end of a slab, less with boundary values that change in time.
-    /// Forces at slab ends on walls that accelerate have order N_t - 1, their means over a slab N_t.
+    /// The force of gas that accelerates with its walls has order N_t there.
     pub order: usize,
     /// The start. With `[restart]` the run goes on from where the other one stands; only its slabs count from here.
     #[serde(default)]
@@ -39,7 +39,7 @@ pub struct Adaptive {
     pub tolerance: f64,
     /// The shortest slab, which is accepted with any jump. Default: a thousandth of the step.
     pub smallest: Option<f64>,
-    /// The longest slab. A slab sees motions, boundary values and sources at its nodes only: choose `largest` shorter than an event that begins
+    /// The longest slab. A slab sees motions, boundary values and sources at a few times only: choose `largest` shorter than an event that begins
     /// after a rest. Default: as long as the run.
     pub largest: Option<f64>,
 }
@@ -203,7 +203,7 @@ pub struct Probe {
     /// Whether it moves with the mesh. Otherwise it is fixed in space, and has no value where the mesh has left it.
     #[serde(default)]
     pub carried: bool,
-    /// Its fields.
+    /// Its fields; without this key density, velocity and pressure.
     #[serde(default = "observed", skip_serializing_if = "is_observed")]
     pub fields: Vec<Field>,
 }

@@ -63,7 +63,7 @@ impl<const D: usize> SlabSolver for MeshAlone<D> {
         self.mover.begin_slab(&state.d)?;
         let time = self.mover.slab_motion.time();
         let mut g = vec![0.0; self.mover.field_len() * time.order()];
-        self.mover.prescribed_in_slab(Clock::running(interval.start, dt), &mut g);
+        self.mover.prescribed_in_slab(Clock::running(interval.start, dt), dt, &state.d, &mut g);
         let mut v = state.extrapolated_velocities(time, self.mover.field_len(), dt);
         let work = self.mover.velocities(interval, &state.d, &g, &mut v)?;
         Ok(Solved { work, v })

@@ -155,12 +155,10 @@ impl<const D: usize> MeshMover<D> {
         d
     }
 
-    /// The displacements prescribed at the time nodes of a slab, `[time node][C0 node][component]`.
-    pub fn prescribed_in_slab(&self, clock: Clock, out: &mut [f64]) {
-        let nodes = self.slab_motion.time().nodes();
-        for (s, out) in nodes.iter().zip(out.chunks_exact_mut(self.field_len())) {
-            self.prescribed(clock.time(*s), out);
-        }
+    /// The displacements prescribed at the time nodes of a slab of length `dt` on top of the displacement `bottom`,
+    /// `[time node][C0 node][component]`.
+    pub fn prescribed_in_slab(&self, clock: Clock, dt: f64, bottom: &[f64], out: &mut [f64]) {
+        self.motion.prescribed_in_slab(&self.positions, &self.slab_motion, (clock, dt), bottom, out);
     }
 
     /// Prepares the elastic mesh for the slab that starts at the displacement `bottom`.

@@ -1,7 +1,7 @@
 //! How the mesh of a run moves.
 
 use elasticity::{Accuracy, ElasticMesh, ElasticSlab, ElasticityError, Guard, SlabMotion, Work};
-use fem::VectorField;
+use fem::{Clock, VectorField};
 use std::sync::Arc;
 
 /// The displacement of a boundary that moves.
@@ -88,6 +88,31 @@ impl<const D: usize> MeshMotion<D> {
             if let Some(velocity) = velocity.filter(|velocity| velocity.iter().all(|v| v.is_finite())) {
                 v.copy_from_slice(&velocity);
             }
+        }
+    }
+
+    /// The displacements at the time nodes of a slab of length `dt`, `[time node][node][component]`, of nodes that start from `bottom` and have
+    /// the prescribed velocity, (prescribed) of `elasticity::slab`. Zero where nothing is prescribed, and for an elastic mesh at free entries.
+    pub fn prescribed_in_slab(
+        &self,
+        x: &[[f64; D]],
+        motion: &SlabMotion,
+        (clock, dt): (Clock, f64),
+        bottom: &[f64],
+        out: &mut [f64],
+    ) {
+        out.fill(0.0);
+        for (node, (x, at_bottom)) in x.iter().zip(bottom.chunks_exact(D)).enumerate() {
+            let Some(field) = self.field_of(node) else { continue };
+            let times = motion.times_of_prescribed().iter();
+            let g: Vec<f64> = times.flat_map(|s| field.displacement(node, x, clock.time(*s))).collect();
+            let (top, v) = (g[g.len() - D..].to_vec(), motion.prescribed(dt, at_bottom, g));
+            for (a, out) in out.chunks_exact_mut(bottom.len()).enumerate() {
+                motion.displacement_at_node(dt, at_bottom, &v, a, &mut out[node * D..][..D]);
+            }
+            // Without round-off.
+            let last = out.len() - bottom.len();
+            out[last + node * D..][..D].copy_from_slice(&top);
         }
     }
 

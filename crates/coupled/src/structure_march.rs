@@ -95,9 +95,9 @@ impl<const D: usize> Supports<D> {
         let mut top = vec![0.0; bottom.len()];
         motion.displacement(dt, bottom, v, 1.0, &mut top);
         for (entry, field, x) in self.moved_entries(structure) {
-            let missing = (field.value(x, clock.time(1.0))[entry % D] - top[entry]) / dt;
-            v.iter_mut().skip(entry).step_by(bottom.len()).for_each(|v| *v += missing);
+            top[entry] = field.value(x, clock.time(1.0))[entry % D];
         }
+        motion.lead_to(dt, bottom, &top, v);
     }
 
     /// The fixed entries that a field moves, each with the field and the position at rest.

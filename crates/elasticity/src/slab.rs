@@ -8,7 +8,18 @@
 //! V_b = (1/dt) sum_a (Phi^{-1})_ba (d(s_a) - d_n)                                                                (velocity)
 //! ```
 //!
-//! The displacement is prescribed, and the equilibrium holds, at every node. The last node is the top of the slab, so the mesh there
+//! A prescribed displacement g gives the velocities at the nodes. They are those of the polynomial p through d_n at the bottom and g at N_t + 2
+//! right-Radau nodes. A constant takes the mesh to g at the top, also where g bends or jumps:
+//!
+//! ```text
+//! V_b = p'(s_b) / dt + (1/dt) ( g(1) - d_n - sum_c omega_c p'(s_c) )                                            (prescribed)
+//! ```
+//!
+//! The constant is of the order of the error in time. The jumps of V then have moments like those of g', so that the pressure on a wall follows its
+//! acceleration with order N_t. The derivative of a polynomial through g(s_a) alone would leave order N_t - 1. Rates of g itself would do as well where
+//! it is smooth, but may be infinite or very large at a node.
+//!
+//! The equilibrium holds at every node. The last node is the top of the slab, so the mesh there
 //! is in equilibrium with the exact boundary for any history: errors of the solver do not accumulate. (With Galerkin in time they
 //! would persist: they return at the next top with the factor (-1)^{N_t}.)
 //!
@@ -22,17 +33,27 @@ use tensor::Real;
 /// The largest number of time nodes of a slab.
 pub const MAX_TIME_ORDER: usize = 16;
 
+/// How many more nodes than a slab the polynomial p of (prescribed) has. With one more its error would be seen.
+const MORE_NODES: usize = 2;
+
 /// The relation between velocities and displacements in a slab. It does not depend on space: vectors may have any
 /// length.
 #[derive(Clone, Debug)]
 pub struct SlabMotion {
     time: RadauTime,
+    /// The nodes of p of (prescribed).
+    finer: RadauTime,
+    /// The polynomials of `finer` at the nodes of `time`, one row each.
+    to_nodes: Matrix,
 }
 
 impl SlabMotion {
     /// The motion with the given temporal basis, of order at most [`MAX_TIME_ORDER`].
     pub fn new(time: RadauTime) -> Self {
-        SlabMotion { time }
+        let finer = RadauTime::new(time.order() + MORE_NODES);
+        let rows = time.nodes().iter().flat_map(|s| finer.values(*s)).collect();
+        let to_nodes = Matrix::new(time.order(), finer.order(), rows);
+        SlabMotion { time, finer, to_nodes }
     }
     /// The temporal basis.
     pub fn time(&self) -> &RadauTime {
@@ -51,11 +72,45 @@ impl SlabMotion {
 
     /// Replaces the displacements `d[a][..]` at the time nodes by the velocities by (velocity).
     pub fn velocities<T: Real>(&self, dt: f64, bottom: &[T], d: &mut [T]) {
-        for node in d.chunks_exact_mut(bottom.len()) {
-            node.iter_mut().zip(bottom).for_each(|(d, bottom)| *d = (*d - *bottom) / d.constant(dt));
-        }
-        combine_nodes(self.time.inverse_collocation(), d);
+        velocities(&self.time, dt, bottom, d);
     }
+
+    /// The times of a slab, in [0, 1], at which [`Self::prescribed`] takes a displacement. The last one is the top.
+    pub fn times_of_prescribed(&self) -> &[f64] {
+        self.finer.nodes()
+    }
+
+    /// The velocities at the time nodes by (prescribed), `[b][..]`, for the displacements `g[k][..]` at [`Self::times_of_prescribed`].
+    pub fn prescribed(&self, dt: f64, bottom: &[f64], mut g: Vec<f64>) -> Vec<f64> {
+        let (length, top) = (bottom.len(), g[g.len() - bottom.len()..].to_vec());
+        velocities(&self.finer, dt, bottom, &mut g);
+        let mut v = vec![0.0; self.time.order() * length];
+        for (b, v) in v.chunks_exact_mut(length).enumerate() {
+            for (phi, of_finer) in self.to_nodes.row(b).iter().zip(g.chunks_exact(length)) {
+                v.iter_mut().zip(of_finer).for_each(|(v, of_finer)| *v += phi * of_finer);
+            }
+        }
+        self.lead_to(dt, bottom, &top, &mut v);
+        v
+    }
+
+    /// Shifts the velocities `v[b][..]` by constants, such that the displacement `bottom` becomes `top`.
+    pub fn lead_to<T: Real>(&self, dt: f64, bottom: &[T], top: &[T], v: &mut [T]) {
+        let mut reached = bottom.to_vec();
+        self.displacement(dt, bottom, v, 1.0, &mut reached);
+        for node in v.chunks_exact_mut(bottom.len()) {
+            let missing = top.iter().zip(&reached).map(|(top, reached)| (*top - *reached) / top.constant(dt));
+            node.iter_mut().zip(missing).for_each(|(v, missing)| *v += missing);
+        }
+    }
+}
+
+/// Replaces the displacements `d[a][..]` at the nodes of `time` by the velocities by (velocity).
+fn velocities<T: Real>(time: &RadauTime, dt: f64, bottom: &[T], d: &mut [T]) {
+    for node in d.chunks_exact_mut(bottom.len()) {
+        node.iter_mut().zip(bottom).for_each(|(d, bottom)| *d = (*d - *bottom) / d.constant(dt));
+    }
+    combine_nodes(time.inverse_collocation(), d);
 }
 
 /// out = bottom + dt sum_b integrals[b] v[b].
@@ -78,7 +133,7 @@ const BLOCK: usize = 16;
 pub(crate) fn combine_nodes<T: Real>(matrix: &Matrix, field: &mut [T]) {
     let (nodes, length) = (matrix.rows(), field.len() / matrix.rows());
     let Some(zero) = field.first().map(|number| number.zero()) else { return };
-    let mut old = [[zero; BLOCK]; MAX_TIME_ORDER];
+    let mut old = [[zero; BLOCK]; MAX_TIME_ORDER + MORE_NODES];
     for start in (0..length).step_by(BLOCK) {
         let entries = |a: usize| a * length + start..a * length + (start + BLOCK).min(length);
         (0..nodes).for_each(|b| old[b][..entries(b).len()].copy_from_slice(&field[entries(b)]));

@@ -6,7 +6,7 @@ use mesh::BoundaryDistance;
 /// the mesh at rest to an inner boundary, which moves, and an outer one, which rests:
 ///
 /// ```text
-/// E_Y = 1 + E_1 / (1 + (d_w / d_0)^2),  d_w = max(0, min(dist(x, inner) - d_0, dist(x, outer) + 2 d_0))        (5)
+/// E_Y = 1 + E_1 / (1 + (d_w / d_0)^2),  d_w = max(0, min(dist(x, inner) - d_0, dist(x, outer) + 2 d_0))        (wall distance)
 /// ```
 ///
 /// So E_Y = 1 + E_1 up to d_0 from the inner boundary, and it falls to 1 far from it. At the outer boundary, where d_w is 2 d_0,

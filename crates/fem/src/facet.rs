@@ -1,7 +1,7 @@
 //! The facet terms of a batch of facets.
 //!
 //! ```text
-//! R_a += int_I int_F phi_a psi ( Fhat_c - Fhat_v ) dS - int_I int_F phi_a grad_x psi : F_v(u, (uhat - u) n)         (facet)
+//! R_a += int_I int_F phi_a psi ( Fhat_c - Fhat_v ) dS + int_I int_F phi_a grad_x psi : F_v(u, (uhat - u) n)         (facet)
 //!
 //! interior   Fhat_v = { F_v(u, grad u) } . n - sigma { F_v(u, [u] n) } . n,   uhat = {u},   [u] = u- - u+           (sip)
 //! boundary   Fhat_v = F_v(u_b, grad u-) . n - sigma F_v(u_b, (u- - u_b) n) . n,             uhat = u_b
@@ -14,7 +14,7 @@
 //! sigma = N_s^2 |S| / J = 2 N_s^2 / h,   h = 2 J / |S|                                                            (penalty)
 //! ```
 //!
-//! The larger penalty of both sides is taken. n points from minus to plus; plus takes the flux with opposite sign.
+//! The larger penalty of both sides is taken. In (facet) n points out of the cell of psi, in (sip) from minus to plus.
 
 use crate::conservation_law::ConservationLaw;
 use crate::facet_evaluation::FacetPoint;

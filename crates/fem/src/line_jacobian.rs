@@ -75,7 +75,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             for end in 0..2 {
                 let (slot, side) = self.facets.of_face[2 * number + end];
                 let facet = first[slot as usize / WIDTH] + slot as usize % WIDTH;
-                line.add_lifted(end, &facets[facet][side as usize], operator);
+                line.add_lifted([end; 2], &facets[facet][side as usize], operator);
             }
         });
         LineJacobian { dimension: D, nodes, block, operators, masses }

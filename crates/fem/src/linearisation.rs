@@ -61,19 +61,28 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             for face in 0..2 * D {
                 let (slot, side) = self.facets.of_face[cell * 2 * D + face];
                 let facet = first[slot as usize / WIDTH] + slot as usize % WIDTH;
-                traces.add_lifted(face, &facets[facet].own[side as usize], diagonal);
+                let blocks = &facets[facet];
+                traces.add_lifted([face; 2], &blocks.own[side as usize], diagonal);
+                if let Some(Coupling { faces: [minus, plus], minus_plus, plus_minus, .. }) =
+                    blocks.of_a_cell_with_itself()
+                    && side == 0
+                {
+                    traces.add_lifted([*minus, *plus], minus_plus, diagonal);
+                    traces.add_lifted([*plus, *minus], plus_minus, diagonal);
+                }
             }
         });
-        couplings.extend(facets.into_iter().filter_map(|f| f.coupling));
+        let between_cells = facets.into_iter().filter(|blocks| blocks.of_a_cell_with_itself().is_none());
+        couplings.extend(between_cells.filter_map(|blocks| blocks.coupling));
     }
 
     /// For every coupling of [`Self::space_jacobian`] how the lattices of its two faces meet: for every flow node in that of the minus side, the
     /// node in that of the plus side.
     pub fn lattices_of_couplings(&self) -> Vec<Vec<usize>> {
         let interior = self.facets.batches.iter().filter(|batch| batch.boundary.is_none());
-        let lattices =
-            interior.flat_map(|batch| (0..batch.count).map(move |lane| self.own_lattice(batch, lane, 1).to_vec()));
-        lattices.collect()
+        let facets = interior.flat_map(|batch| (0..batch.count).map(move |lane| (batch, lane)));
+        let between_cells = facets.filter(|(batch, lane)| batch.minus[*lane].cell != batch.plus[*lane].0.cell);
+        between_cells.map(|(batch, lane)| self.own_lattice(batch, lane, 1).to_vec()).collect()
     }
 
     /// For each batch of facets, the number of facets before it.
@@ -272,6 +281,11 @@ impl<T: Stored> FacetBlocks<T> {
             plus_minus: square(),
         });
         FacetBlocks { own: [own(), if coupling.is_some() { own() } else { Vec::new() }], coupling }
+    }
+
+    /// The coupling of a cell that is its own neighbour across a periodic boundary.
+    fn of_a_cell_with_itself(&self) -> Option<&Coupling<T>> {
+        self.coupling.as_ref().filter(|coupling| coupling.cells[0] == coupling.cells[1])
     }
 
     /// Stores the derivatives along trace `column[1]` of side `column[0]`; `lattices` map to each side's own lattice.

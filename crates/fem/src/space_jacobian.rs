@@ -121,17 +121,17 @@ impl TraceSpace {
         trace / self.face_nodes * self.face_nodes + permutation[trace % self.face_nodes]
     }
 
-    /// Adds T^T B T to a square matrix over a cell's coefficients: B in traces of `face`, both by columns.
-    pub fn add_lifted<T: Stored>(&self, face: usize, b: &[f64], matrix: &mut [T]) {
+    /// Adds T_f^T B T_g to a square matrix over a cell's coefficients: B in traces of the faces f (rows) and g, both by columns.
+    pub fn add_lifted<S: Stored, T: Stored>(&self, [rows, columns]: [usize; 2], b: &[S], matrix: &mut [T]) {
         let block = self.components * self.nodes;
         let mut lifted = vec![0.0; block];
         for (column, b) in b.chunks_exact(self.len()).enumerate() {
             lifted.fill(0.0);
             for (row, value) in b.iter().enumerate() {
-                let (offset, functional) = self.functional(face, row);
+                let ((offset, functional), value) = (self.functional(rows, row), (*value).into());
                 functional.iter().for_each(|&(node, weight)| lifted[offset + node] += weight * value);
             }
-            let (offset, functional) = self.functional(face, column);
+            let (offset, functional) = self.functional(columns, column);
             Arch::new().dispatch(|| {
                 for &(node, weight) in functional {
                     let start = (offset + node) * block;

@@ -106,7 +106,7 @@ pub fn solve(
     workspace.history.push(initial_norm);
     let mut r_z_old = f64::INFINITY;
     loop {
-        if report.final_norm <= target {
+        if report.final_norm.is_finite() && report.final_norm <= target {
             return Ok(report);
         }
         if report.iterations >= settings.max_iterations {
@@ -257,6 +257,15 @@ mod tests {
         let report = solve(&mut system, &[2.0, 3.0], &mut x, &Settings::default(), &mut workspace).unwrap();
         assert_eq!((report.iterations, report.initial_norm, x), (1, 1.0, vec![2.0, 1.5]));
         assert_eq!(workspace.history(), [1.0, 0.0]);
+    }
+
+    #[test]
+    fn an_infinite_right_hand_side_is_an_error() {
+        for large in [1e200, f64::INFINITY, f64::NAN] {
+            let mut a = Action(|x: &[f64], y: &mut [f64]| copy(x, y));
+            let (_, result) = run(&mut a, &mut Identity, &[large], &mut Workspace::default());
+            assert!(matches!(result, Err(Error::IndefinitePreconditioner { .. })), "{large}: {result:?}");
+        }
     }
 
     #[test]

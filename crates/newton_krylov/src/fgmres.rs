@@ -204,7 +204,7 @@ pub fn solve(
     report.final_norm = report.initial_norm;
     work.history.push(report.initial_norm);
     for restarts in 0.. {
-        if report.final_norm <= target {
+        if report.final_norm.is_finite() && report.final_norm <= target {
             break;
         }
         report.restarts = restarts;

@@ -47,7 +47,7 @@ impl<'a, P: NonlinearProblem + ?Sized> FiniteDifference<'a, P> {
         let inner_product = self.problem.inner_product();
         let length = inner_product.norm(direction);
         if length == 0.0 {
-            scale(0.0, out);
+            out.fill(0.0);
             return Ok(());
         }
         let size = (1.0 + inner_product.norm(&self.z)) / length;
@@ -117,6 +117,10 @@ impl<P: NonlinearProblem + ?Sized> NonlinearProblem for FiniteDifference<'_, P> 
         self.problem.precondition(r, out);
     }
 
+    fn merit(&mut self, r: &[f64]) -> f64 {
+        self.problem.merit(r)
+    }
+
     fn round_off(&mut self, z: &[f64]) -> Option<Vec<f64>> {
         self.problem.round_off(z)
     }
@@ -160,7 +164,7 @@ mod tests {
         let mut problem = Bratu::new(3);
         let mut difference = FiniteDifference::new(&mut problem, Scheme::Central);
         difference.linearise(&[0.0; 3], &[0.0]).unwrap();
-        let mut out = [1.0; 3];
+        let mut out = [f64::NAN; 3];
         difference.jacobian_product(&[0.0; 3], &mut out);
         assert_eq!(out, [0.0; 3]);
     }

@@ -65,15 +65,6 @@ pub enum Error {
     },
 }
 
-impl Error {
-    /// The number of evaluations of G.
-    pub fn trials(&self) -> usize {
-        match self {
-            Self::NoDecrease { trials, .. } | Self::Inadmissible { trials, .. } => *trials,
-        }
-    }
-}
-
 /// Finds a step a = `largest`, `largest` x shrink, ... that satisfies (decrease).
 ///
 /// `norm_at(a)` is |G(a)| and `initial` is |G(0)|. `round_off()` is the level below which no decrease is required; it is called only
@@ -94,7 +85,7 @@ pub fn search(
         let trial = norm_at(step_length);
         if let Ok(norm) = trial {
             let decreased = norm <= (1.0 - settings.sufficient_decrease * step_length) * initial;
-            if decreased || norm <= round_off() {
+            if decreased || norm.is_finite() && norm <= round_off() {
                 return Ok(Report { step_length, norm, trials, decreased });
             }
         }

@@ -115,7 +115,7 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// R at the state where the last solve ended.
+    /// R at the last iterate of the last solve.
     pub fn residual(&self) -> &[f64] {
         &self.residual
     }

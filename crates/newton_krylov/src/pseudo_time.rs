@@ -34,7 +34,7 @@ pub struct Settings {
     pub shrink: f64,
     /// Damping of a field ends once |R_k| <= switch_off |R_k0|.
     pub switch_off: f64,
-    /// The number of rejected steps in a row after which the driver gives up.
+    /// So many rejected steps in a row are repeated with more damping; at the next one the driver gives up.
     pub max_rejections: usize,
     /// The factor of (recovery); 1 disables it.
     pub recovery: f64,

@@ -228,6 +228,13 @@ mod tests {
         let singular: BlockMatrix<f64> = matrix(Kind::Lu, |_, _| 0.0);
         let tree = Arc::new(singular.elimination_tree().unwrap());
         assert_eq!(singular.factor(tree).err(), Some(Error::Singular));
+        // The last pivot of a front without a boundary is zero.
+        let mut dependent = BlockMatrix::<f64>::new(Kind::Lu, 1, vec![vec![1], vec![0]]);
+        for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            dependent.add(row, column, |_, _| 1.0);
+        }
+        let tree = Arc::new(dependent.elimination_tree().unwrap());
+        assert_eq!(dependent.factor(tree).err(), Some(Error::Singular));
         let indefinite = matrix(Kind::Cholesky, |i, j| symmetric(i, j) - if i == j { 19.0 } else { 0.0 });
         let tree = Arc::new(indefinite.elimination_tree().unwrap());
         assert!(matches!(indefinite.factor(tree), Err(Error::NotDefinite { .. })));

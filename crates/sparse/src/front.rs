@@ -126,7 +126,7 @@ fn check_pivot<R: faer::traits::RealField>(pivot: R, entry: R, rows: usize) -> R
     Err(Error::NotDefinite { cause: format!("the pivot {pivot:?} is round-off of the diagonal entry {entry:?}") })
 }
 
-/// (front-lu). A zero pivot leads to entries that are not finite.
+/// (front-lu). A zero pivot leads to entries that are not finite, unless it is the last one.
 fn lu<T: Scalar>(mut f: Mat<T>, e: usize) -> Result<(Factors<T>, Mat<T>), Error> {
     let (mut pivots, mut inverse) = (vec![0_usize; e], vec![0; e]);
     let mut memory = MemBuffer::new(lu_in_place_scratch::<usize, T>(e, e, SEQUENTIAL, Spec::default()));
@@ -137,7 +137,8 @@ fn lu<T: Scalar>(mut f: Mat<T>, e: usize) -> Result<(Factors<T>, Mat<T>), Error>
     interchange(&pivots, f_eb.rb_mut(), &mut scratch);
     solve_unit_lower_triangular_in_place(f_ee.as_ref(), f_eb.rb_mut(), SEQUENTIAL);
     solve_upper_triangular_in_place(f_ee.as_ref(), f_eb.rb_mut(), SEQUENTIAL);
-    if !(f_ee.as_ref().is_all_finite() && f_eb.as_ref().is_all_finite()) {
+    let has_zero_pivot = (0..e).any(|k| f_ee[(k, k)] == T::zero_impl());
+    if has_zero_pivot || !(f_ee.as_ref().is_all_finite() && f_eb.as_ref().is_all_finite()) {
         return Err(Error::Singular);
     }
     matmul(f_bb, Accum::Add, f_be.as_ref(), f_eb.as_ref(), -T::one(), SEQUENTIAL);

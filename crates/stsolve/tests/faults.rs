@@ -35,7 +35,7 @@ const AIRFOIL: &[&str] = &["mesh.order=4", "flow.order=4"];
 const DISC: &[&str] =
     &["mesh.order=3", "flow.order=3", "mesh.generate.disc.radial_cells=1", "time.slabs=10", "solver.slab_halvings=2"];
 
-const FAULTS: [Fault; 16] = [
+const FAULTS: [Fault; 17] = [
     Fault {
         what: "one Newton step allowed",
         case: "vortex",
@@ -136,6 +136,16 @@ const FAULTS: [Fault; 16] = [
         case: "cylinder_m1",
         small: DISC,
         spoil: &["motion.boundary.wall.displacement=[\"20*t\",0]", "time.end=0.05"],
+        cause: "impulsive_motion",
+    },
+    Fault {
+        what: "body that starts at once",
+        case: "cylinder_viv",
+        small: &["mesh.generate.annulus.cells=[8,5]", "mesh.order=3", "flow.order=3", "solver.slab_halvings=2"],
+        spoil: &[
+            "bodies.cylinder={walls=[\"wall\"],mass=2,mesh={between={inner=1,outer=15}},y={motion=\"30*t\"}}",
+            "time.end=0.4",
+        ],
         cause: "impulsive_motion",
     },
     Fault {

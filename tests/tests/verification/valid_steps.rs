@@ -6,16 +6,16 @@ use newton_krylov::problem::NonlinearProblem;
 use std::sync::Arc;
 use verification::vortex::{Setting, VortexRun};
 
-/// x - 5 shrinks to a fifth, by the factor c = 0.2 + 0.8 exp(-10 t). The parabola through c(0), c(1/3) and c(1) is negative in
-/// between, so a slab of length 1 inverts the mesh; shorter ones do not.
+/// x - 5 shrinks to a tenth, by a factor that falls around t = 0.55. The parabola of a slab of length 1 is negative in between; those of shorter slabs
+/// are not.
 struct Squeezing;
 
 impl VectorField<2> for Squeezing {
     fn value(&self, x: &[f64; 2], t: f64) -> [f64; 2] {
-        [0.8 * ((-10.0 * t).exp() - 1.0) * (x[0] - 5.0), 0.0]
+        [-0.45 * ((12.0 * t - 6.6).tanh() + 6.6_f64.tanh()) * (x[0] - 5.0), 0.0]
     }
     fn rate(&self, x: &[f64; 2], t: f64) -> [f64; 2] {
-        [-8.0 * (-10.0 * t).exp() * (x[0] - 5.0), 0.0]
+        [-5.4 / (12.0 * t - 6.6).cosh().powi(2) * (x[0] - 5.0), 0.0]
     }
 }
 

@@ -57,6 +57,14 @@ fn a_rotation_about_one_axis_has_one_moment() {
     assert_eq!(body.inertia, [[3.0, 0.0, 0.0], [0.0, 3.0, 0.0], [0.0, 0.0, 3.0]]);
 }
 
+/// After its release nothing is asked of the motion.
+#[test]
+fn a_motion_needs_values_until_its_release() {
+    let motion = |release: &str| format!("x = {{ motion = \"0.1*t^2*sqrt(0.7-t)\"{release} }}");
+    assert!(of_body(&motion(", release = 0.5")).is_ok());
+    assert!(of_body(&motion("")).is_err());
+}
+
 /// Lines of the body, and parts of the message.
 const BAD: &[(&str, &[&str])] = &[
     ("rotation_x = {}", &["bodies.right", "a body with `rotation_x` has no tensor of inertia", "`inertia`, about"]),

@@ -81,7 +81,7 @@ impl<const D: usize> MeshBlock<D> {
         self.mover.begin_slab(d)?;
         self.interval = interval;
         self.bottom.copy_from_slice(d);
-        self.mover.prescribed_in_slab(clock, &mut self.prescribed);
+        self.mover.prescribed_in_slab(clock, interval.length(), d, &mut self.prescribed);
         self.inverse_pseudo_time = 0.0;
         self.forget();
         Ok(())

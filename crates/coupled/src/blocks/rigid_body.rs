@@ -28,11 +28,13 @@ mod dynamics;
 mod energy;
 mod geometry;
 mod loads;
+mod surface_motion;
 
 pub use coordinate::{Coordinate, Drive, Freedom, Stops};
 pub use data::{AddedMass, RigidBodyData};
 pub use geometry::{BodyPosition, Surface, SurfaceNode};
 use loads::Loads;
+use surface_motion::SurfaceDerivatives;
 
 use crate::block::{Block, Body, BodyState, Couplings, Exchange, Ledger, Quantity};
 use crate::blocks::{SlabTimes, jump, last_digits};
@@ -79,8 +81,10 @@ pub struct RigidBody<const D: usize> {
     slab: Slab,
     /// W at the point of linearisation and evaluation.
     w: Vec<f64>,
-    /// The derivatives of the surface there along the coordinates, `[a][k][node][component]`, once they are needed.
-    surface_columns: Option<Vec<f64>>,
+    /// The displacement of the surface there, `[time node][node][component]`.
+    surface_displacement: Vec<f64>,
+    /// The derivatives of the surface there, `[b][k]`, once they are needed.
+    surface_derivatives: Option<Vec<SurfaceDerivatives>>,
     /// The loads of the flow at that point, `[time point][loaded node][component]`.
     flow_loads: Vec<f64>,
     /// Q at that point.
@@ -107,7 +111,8 @@ impl<const D: usize> RigidBody<D> {
             mean_eigenvalue: TemporalModes::new(&time).mean_shift(),
             slab: Slab::default(),
             w: vec![0.0; time.order() * data.coordinates.len()],
-            surface_columns: None,
+            surface_displacement: Vec::new(),
+            surface_derivatives: None,
             flow_loads: Vec::new(),
             loads: Loads::default(),
             load_columns: None,
@@ -155,32 +160,10 @@ impl<const D: usize> RigidBody<D> {
         [&q, w].map(|of_nodes| of_nodes[of_nodes.len() - self.count()..].to_vec())
     }
 
-    /// The rate of a driven coordinate at the top. A polynomial that passes through the positions of the drive has their derivative to a lower
-    /// order only.
+    /// The rate of a driven coordinate at the top. That of (prescribed) has the order of the error in time.
     fn exact_rate(&self, k: usize) -> Option<f64> {
         let drive = self.data.coordinates[k].drive.as_ref()?;
         Some((drive.rate)(self.slab.clock.time(1.0))).filter(|rate| rate.is_finite())
-    }
-
-    /// Sets the rates to `w`, and writes the displacement of the nodes that the body moves.
-    fn set_rates(&mut self, w: &[f64], exchange: &mut Exchange) {
-        if self.w != w {
-            self.w.copy_from_slice(w);
-            self.surface_columns = None;
-        }
-        let field = exchange.wall_displacement.len() / self.time().order();
-        let fields = exchange.wall_displacement.chunks_exact_mut(field);
-        for (q, out) in self.positions(w).chunks_exact(self.count()).zip(fields) {
-            self.surface.add_to_field(&self.surface.displacement(&self.data, q), out);
-        }
-    }
-
-    /// The derivatives of the surface at the time nodes along the coordinates, `[a][k][node][component]`.
-    fn columns_of_surface(&self) -> Vec<f64> {
-        let q = self.positions(&self.w);
-        let units = Matrix::identity(self.count());
-        let column = |q: &[f64], k: usize| derivatives(&self.surface.displacement(&self.data, &along(q, units.row(k))));
-        q.chunks_exact(self.count()).flat_map(|q| (0..self.count()).flat_map(move |k| column(q, k))).collect()
     }
 }
 
@@ -190,12 +173,12 @@ fn lifted<T: Transcendental>(numbers: &[f64]) -> Vec<T> {
 }
 
 /// Numbers with the derivatives `x`.
-fn along(numbers: &[f64], x: &[f64]) -> Vec<Dual<f64>> {
+fn along<T: Transcendental>(numbers: &[T], x: &[T]) -> Vec<Dual<T>> {
     numbers.iter().zip(x).map(|(number, x)| Dual::new(*number, *x)).collect()
 }
 
 /// The derivatives of `numbers`.
-fn derivatives(numbers: &[Dual<f64>]) -> Vec<f64> {
+fn derivatives<T: Transcendental>(numbers: &[Dual<T>]) -> Vec<T> {
     numbers.iter().map(|number| number.derivative).collect()
 }
 
@@ -226,9 +209,10 @@ impl<const D: usize> Block for RigidBody<D> {
             dt: interval.length(),
             position: stored[..count].to_vec(),
             rate: stored[count..2 * count].to_vec(),
-            surface: self.surface.gather(&state.d),
+            surface: self.data.displacement(&self.surface.nodes, &stored[..count]),
         };
-        (self.inverse, self.surface_columns, self.load_columns) = (None, None, None);
+        (self.inverse, self.surface_derivatives, self.load_columns) = (None, None, None);
+        self.surface_displacement.clear();
         self.check_turn()
     }
 
@@ -329,18 +313,9 @@ impl<const D: usize> Body for RigidBody<D> {
     }
 
     fn move_walls(&mut self, x: &[f64], displacement: &mut [f64]) {
-        let columns = self.surface_columns.take().unwrap_or_else(|| self.columns_of_surface());
-        let (count, field) = (self.count(), displacement.len() / self.time().order());
-        let (still, mut dq, mut sum) = (vec![0.0; count], vec![0.0; count], vec![0.0; self.surface.nodes.len() * D]);
-        for (a, out) in displacement.chunks_exact_mut(field).enumerate() {
-            self.motion.displacement_at_node(self.slab.dt, &still, x, a, &mut dq);
-            sum.fill(0.0);
-            for (dq, column) in dq.iter().zip(columns.chunks_exact(sum.len()).skip(a * count)) {
-                sum.iter_mut().zip(column).for_each(|(sum, derivative)| *sum += dq * derivative);
-            }
-            self.surface.add_to_field(&sum, out);
-        }
-        self.surface_columns = Some(columns);
+        let derivatives = self.surface_derivatives.take().unwrap_or_else(|| self.derivatives_of_surface());
+        self.add_to_fields(&self.displacement_along(&derivatives, x), displacement);
+        self.surface_derivatives = Some(derivatives);
     }
 
     fn nodes_with_velocity_at_top(&self) -> Vec<usize> {
@@ -352,7 +327,7 @@ impl<const D: usize> Body for RigidBody<D> {
         for k in self.driven() {
             self.exact_rate(k).into_iter().for_each(|rate| rates[k] = rate);
         }
-        let of_surface = derivatives(&self.surface.displacement(&self.data, &along(&q, &rates)));
+        let of_surface = derivatives(&self.data.displacement(&self.surface.nodes, &along(&q, &rates)));
         self.surface.add_to_field(&of_surface, velocity);
     }
 

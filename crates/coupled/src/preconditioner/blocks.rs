@@ -25,8 +25,7 @@ pub fn links<T: Stored>(jacobian: &SpaceJacobian<T>, own: usize, ghosts: usize) 
         for side in 0..2 {
             let (face, other_face) = (coupling.faces[side], coupling.faces[1 - side]);
             let cell = coupling.cells[1 - side];
-            // A cell that is its own neighbour across a periodic boundary keeps the coupling out of the factor.
-            if cell != coupling.cells[side] && coupling.cells[side] < own {
+            if coupling.cells[side] < own {
                 links[coupling.cells[side]].push(Link { cell, coupling: number, side, face, other_face });
             }
         }

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Cells of a quadrilateral or hexahedral mesh that are neighbours share no third neighbour, so that only the diagonal
-//! changes; around an irregular vertex the fill is dropped. All is done in single precision; D^{-1} is stored in [`bf16_blocks`].
+//! changes; around an irregular vertex the fill is dropped. Where two cells share two facets, each facet is taken alone. All is done in single precision; D^{-1} is stored in [`bf16_blocks`].
 
 use super::bf16_blocks;
 use super::blocks::{Link, coupling_block};

@@ -3,7 +3,7 @@
 //! With the cell's operators along its lines (lines), of D axes, and the mean J of det J in the reference cell [-1, 1]^D,
 //!
 //! ```text
-//! lambda M + dt A_cell  ~  (lambda J)^(1-D) 2^(D - D D) F_D .. F_1,    F_k = lambda m_k + dt L_k                       (directions)
+//! lambda M + dt A_cell  ~  (lambda J)^(1-D) 2^(D - D^2) F_D .. F_1,    F_k = lambda m_k + dt L_k                       (directions)
 //! ```
 //!
 //! which is exact up to products of two and more L_k where coefficients are constant (alternating directions; Peaceman & Rachford

@@ -152,3 +152,49 @@ fn errors_of_a_loose_solver_do_not_accumulate() {
     assert!(worst(&errors[50..]) < 2.0 * worst(&errors[..50]), "{errors:?}");
     assert!(worst(&errors) < 1e-4);
 }
+
+/// The velocities and the displacement at the top of `motion` in a slab from `t` that follows g.
+fn followed(motion: &SlabMotion, t: f64, dt: f64, g: impl Fn(f64) -> f64) -> (Vec<f64>, f64) {
+    let positions = motion.times_of_prescribed().iter().map(|s| g(t + s * dt)).collect();
+    let v = motion.prescribed(dt, &[g(t)], positions);
+    let mut top = [0.0];
+    motion.displacement(dt, &[g(t)], &v, 1.0, &mut top);
+    (v, top[0])
+}
+
+/// The velocity at the top has order N_t + 1, the displacement there no error.
+#[test]
+fn prescribed_velocities_have_one_order_more_at_the_top() {
+    for order in 1..=6 {
+        let motion = motion(order);
+        let error = |dt: f64| {
+            let (v, top) = followed(&motion, 1.0, dt, f64::sin);
+            assert!((top - (1.0 + dt).sin()).abs() < 1e-15);
+            (v[order - 1] - (1.0 + dt).cos()).abs()
+        };
+        let found = (error(0.8) / error(0.4)).log2();
+        let least = if order == 1 { 1.0 } else { order as f64 + 1.0 };
+        assert!(found > least - 0.3, "N_t = {order}: order {found}");
+    }
+}
+
+/// Rates of g itself would be infinite or very large at a node.
+#[test]
+fn a_prescribed_displacement_may_be_steep_or_bend() {
+    for order in 1..=6 {
+        let (motion, bound) = (motion(order), ((order + 2) * (order + 2)) as f64);
+        for steep in [1e2, 1e6] {
+            for place in motion.time().nodes() {
+                let (v, top) = followed(&motion, 0.0, 1.0, |t| (steep * (t - place)).tanh());
+                assert!((top - (steep * (1.0 - place)).tanh()).abs() < 1e-13);
+                let most = v.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+                assert!(most < bound, "N_t = {order}: {most} at {place}");
+            }
+        }
+        let (v, _) = followed(&motion, 0.0, 1.0, |t| -(1.0 - t).sqrt());
+        assert!(v.iter().all(|v| v.abs() < bound), "{v:?}");
+        // A bend at the end of a slab belongs to the next one, also if rounding moves it.
+        let (v, _) = followed(&motion, 0.0, 1.0, |t| (t - 1.0 + 1e-9).max(0.0));
+        assert!(v.iter().all(|v| v.abs() < 1e-7), "{v:?}");
+    }
+}

@@ -1,9 +1,9 @@
 //! Proved validity of moving cells: lower bounds of det J over a cell and a slab.
 //!
-//! With positions of degree N - 1 per direction in space and N_t - 1 in time, det J(xi, s) is a polynomial:
+//! With positions of degree N - 1 per direction in space and N_t in time, det J(xi, s) is a polynomial:
 //!
 //! ```text
-//! degree in xi_a = D (N-1) - 1  (column a of J has one degree less),    degree in s = D (N_t-1)          (degrees)
+//! degree in xi_a = D (N-1) - 1  (column a of J has one degree less),    degree in s = D N_t              (degrees)
 //! ```
 //!
 //! It is interpolated on a grid that determines it. The Bernstein coefficients of the interpolant bound it from both

@@ -251,3 +251,12 @@ fn the_norm_is_that_of_the_true_residual_in_single_precision() {
         assert!((report.final_norm - norm).abs() <= error * norm, "{} is not {norm}", report.final_norm);
     }
 }
+
+/// A relative tolerance of an infinite right-hand side is infinite too.
+#[test]
+fn an_infinite_right_hand_side_is_an_error() {
+    for large in [1e200, f64::INFINITY, f64::NAN] {
+        let (_, result, _) = run(&mut Dense(vec![vec![1.0]]), &mut Identity, &[large], &TIGHT);
+        assert!(matches!(result, Err(Error::NotFinite(_))), "{large}: {result:?}");
+    }
+}

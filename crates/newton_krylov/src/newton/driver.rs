@@ -311,7 +311,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         let reference = self.tolerances.reference;
         if self.tolerances.met(norm, self.report.final_field_norms()) {
             self.report.convergence = Some(Convergence::Tolerance);
-        } else if !decreased && norm <= self.tolerances.round_off {
+        } else if !decreased && norm.is_finite() && norm <= self.tolerances.round_off {
             self.report.convergence = Some(Convergence::RoundOff);
         } else if !norm.is_finite() || norm > self.settings.divergence * reference.max(self.report.initial_norm) {
             return Err(Error::Diverged { reference, report: Box::new(self.report.clone()) });

@@ -173,7 +173,6 @@ fn a_failed_line_search_switches_pseudo_time_on_and_convergence_switches_it_off(
     assert!(orders(&report.residual_history(), 1e-12).last().unwrap() > &1.8);
 }
 
-/// A line search without limit takes shorter and shorter steps towards the minimum; damping starts earlier.
 /// At the bottom of the valley attempts are rejected until the damping is strong enough, and no step may be longer than a fifth.
 #[test]
 fn rejected_attempts_count_as_fruitless_steps() {
@@ -204,6 +203,7 @@ fn damped_steps_that_raise_the_residual_count_as_fruitless_steps() {
     assert!(solve(50).is_ok());
 }
 
+/// A line search without limit takes shorter and shorter steps towards the minimum; damping starts earlier.
 #[test]
 fn short_steps_in_a_row_switch_pseudo_time_on() {
     let mut settings = Settings { max_steps: 100, ..exact() };
@@ -403,4 +403,12 @@ fn a_solve_ends_before_the_step_that_its_caller_does_not_want() {
     let mut two = vec![0.0; 63];
     run(&mut Bratu::new(63), &mut two, &Settings { max_steps: 2, ..settings }).unwrap_err();
     assert_eq!(bits(&u), bits(&two));
+}
+
+/// A relative tolerance of an infinite residual is infinite too.
+#[test]
+fn an_infinite_residual_has_not_converged() {
+    let mut problem = Small::new(1, |z: &[f64]| Ok(vec![1e200 * (z[0] - 1.0)]), |_| vec![vec![1e200]]);
+    let result = solve(&mut problem, &mut [0.0], None, &Settings::default(), &mut Workspace::default());
+    assert!(matches!(result, Err(Error::Diverged { .. })), "{result:?}");
 }

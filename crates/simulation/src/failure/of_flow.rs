@@ -10,6 +10,7 @@ use super::of_bodies;
 use super::of_mesh::{self, inverted};
 use crate::body_checks::unheld;
 use crate::boundary_values::{not_positive, without_value};
+use crate::build::nodes_of_driven_bodies;
 use crate::cells::StateInCells;
 use case::{Case, Flow, State};
 use coupled::{
@@ -166,12 +167,12 @@ impl<'a, const D: usize, const M: usize> Failed<'a, D, M> {
     }
 
     fn gases(&self, grid: &Grid<D>) -> Gases {
-        let (time, step) = (self.case.time.start, self.case.time.step);
+        let time = self.case.time.start;
         let displacement = self.mover().displacement_at_start(time);
         let start = Then {
             time,
             displacement: &displacement,
-            velocity: &rate(self.mover(), time, step),
+            velocity: &self.velocity_of_walls(time),
             state: &|_, x| x.iter().map(|x| self.flow.initial.state(x, time)).collect(),
         };
         let measured = |then: &Then<D, M>| measure(self.flow, &self.case.mesh, grid, then);
@@ -184,9 +185,18 @@ impl<'a, const D: usize, const M: usize> Failed<'a, D, M> {
         question(&Then {
             time: state.time,
             displacement: &state.d,
-            velocity: &rate(self.mover(), state.time, self.case.time.step),
+            velocity: &self.velocity_of_walls(state.time),
             state: &|cell, _| by_point(&grid.sampler.state(self.last.of(cell))),
         })
+    }
+
+    /// The velocity at time `t`, `[C0 node][component]`, that prescribed motions give the walls, those of bodies included.
+    fn velocity_of_walls(&self, t: f64) -> Vec<f64> {
+        let mut v = rate(self.mover(), t, self.case.time.step);
+        for (node, x, field) in nodes_of_driven_bodies(self.case) {
+            v[node * D..(node + 1) * D].copy_from_slice(&field.velocity(node, &x, t));
+        }
+        v
     }
 
     fn gas(&self, grid: &Grid<D>, gases: &Gases) -> Gas {
@@ -215,7 +225,7 @@ impl<'a, const D: usize, const M: usize> Failed<'a, D, M> {
             order: self.flow.order,
             is_split: law.volume_flux.is_split(),
             openings: self.statistics.openings.iter().map(|record| self.opening(record)).collect(),
-            kick: if self.case.motion.is_some() { gases.start.kick } else { 0.0 },
+            kick: gases.start.kick,
             start: self.flow_start(),
             not_positive: not_positive((self.case, flow), self.mover(), &self.state.d, self.interval),
             without_value: without_value((self.case, flow), self.mover(), &self.state.d, self.interval),

@@ -64,8 +64,11 @@ impl<const D: usize> Given<'_, D> {
             Ok(value)
         };
         self.check_stops(key, raw)?;
-        let motion =
-            raw.motion.as_ref().map(|motion| self.drive(&key.child("motion"), &direction, motion)).transpose()?;
+        let motion = raw
+            .motion
+            .as_ref()
+            .map(|motion| self.drive(&key.child("motion"), &direction, motion, raw.release))
+            .transpose()?;
         let rate = number("rate", &raw.rate)?;
         self.check_drive(key, raw, rate)?;
         let (spring, cubic_spring) = (number("spring", &raw.spring)?, number("cubic_spring", &raw.cubic_spring)?);
@@ -133,8 +136,8 @@ impl<const D: usize> Given<'_, D> {
         self.checker.require(key, &format!("the release at t = {release}"), meets, &accepted)
     }
 
-    /// A coordinate prescribed along `direction` starts at zero, and has a value and a rate over the whole run.
-    fn drive(&self, key: &Key, direction: &Direction, raw: &raw::Formula) -> Checked<Program> {
+    /// A coordinate prescribed along `direction` starts at zero, and has a value and a rate until its `release`, if there is one.
+    fn drive(&self, key: &Key, direction: &Direction, raw: &raw::Formula, release: Option<f64>) -> Checked<Program> {
         let motion = self.checker.formula_of_time(key, raw)?;
         let start = motion.evaluate::<f64>(&[], self.time.start);
         let at_rest = is_round_off(start, size_of(direction, self.mesh));
@@ -144,7 +147,7 @@ impl<const D: usize> Given<'_, D> {
             at_rest,
             "a formula that is zero at the start",
         )?;
-        for t in self.time.check_times() {
+        for t in self.time.check_times().into_iter().filter(|t| release.is_none_or(|release| *t <= release)) {
             let Dual { value, derivative } = motion.evaluate(&[], Dual::new(t, 1.0));
             let quantity = format!("the motion at t = {t}, {value},");
             self.checker.require_of_formula(

@@ -71,14 +71,14 @@ impl<const D: usize> RigidBody<D> {
         (0..self.count()).filter(move |k| self.data.coordinates[*k].is_driven(start, self.step))
     }
 
-    /// Sets the rates of driven coordinates such that their positions at the time nodes are the prescribed ones.
+    /// Sets the rates of driven coordinates by (prescribed) of `elasticity::slab`.
     pub(super) fn prescribe_rates(&self, w: &mut [f64]) {
         let count = self.count();
         for k in self.driven() {
             let Some(drive) = &self.data.coordinates[k].drive else { continue };
             let position = |s: &f64| (drive.position)(self.slab.clock.time(*s));
-            let mut rates: Vec<f64> = self.time().nodes().iter().map(position).collect();
-            self.motion.velocities(self.slab.dt, &self.slab.position[k..=k], &mut rates);
+            let positions = self.motion.times_of_prescribed().iter().map(position).collect();
+            let rates = self.motion.prescribed(self.slab.dt, &self.slab.position[k..=k], positions);
             rates.iter().enumerate().for_each(|(a, rate)| w[a * count + k] = *rate);
         }
     }

@@ -31,23 +31,6 @@ impl<const D: usize> Surface<D> {
         if coordinate.freedom.rotates() { 1.0 } else { self.size }
     }
 
-    /// The displacement of the wall nodes in the field `d`, `[C0 node][component]`.
-    pub(super) fn gather(&self, d: &[f64]) -> Vec<f64> {
-        self.wall().iter().flat_map(|node| &d[node.node * D..(node.node + 1) * D]).copied().collect()
-    }
-
-    /// The displacement of the wall nodes at the coordinates `q`, `[node][component]`.
-    pub(super) fn wall_displacement<T: Transcendental>(&self, data: &RigidBodyData, q: &[T]) -> Vec<T> {
-        let place = data.place(q);
-        self.wall().iter().flat_map(|node| data.displacement(node, &place)).collect()
-    }
-
-    /// The displacement of all nodes at the coordinates `q`, `[node][component]`.
-    pub(super) fn displacement<T: Transcendental>(&self, data: &RigidBodyData, q: &[T]) -> Vec<T> {
-        let place = data.place(q);
-        self.nodes.iter().flat_map(|node| data.displacement(node, &place)).collect()
-    }
-
     /// Adds `values`, `[node][component]`, to the field `out`, `[C0 node][component]`.
     pub(super) fn add_to_field(&self, values: &[f64], out: &mut [f64]) {
         for (node, values) in self.nodes.iter().zip(values.chunks_exact(D)) {
@@ -114,13 +97,11 @@ impl RigidBodyData {
         std::array::from_fn(|i| if i < D { x[i] - self.pivot[i] } else { 0.0 })
     }
 
-    /// The displacement of `node`, (rigid motion).
-    fn displacement<T: Transcendental, const D: usize>(
-        &self,
-        node: &SurfaceNode<D>,
-        place: &BodyPosition<T>,
-    ) -> [T; D] {
-        place.displacement(&self.arm(&node.position), node.weight)
+    /// The displacement of `nodes` at the coordinates `q`, (rigid motion), `[node][component]`.
+    pub(super) fn displacement<T: Transcendental, const D: usize>(&self, nodes: &[SurfaceNode<D>], q: &[T]) -> Vec<T> {
+        let place = self.place(q);
+        let of_node = |node: &SurfaceNode<D>| place.displacement::<D>(&self.arm(&node.position), node.weight);
+        nodes.iter().flat_map(of_node).collect()
     }
 
     /// Velocity of the pivot and angular velocity per rate of every coordinate: (e_k, 0) or (0, G_k).

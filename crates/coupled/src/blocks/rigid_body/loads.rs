@@ -55,7 +55,7 @@ impl<const D: usize> RigidBody<D> {
 
     /// Q of the nodal loads `l`, `[time point][loaded node][component]`, on the wall that moves with the rates `w`.
     fn load<T: Transcendental>(&self, w: &[T], l: &[T]) -> Loads<T> {
-        let (count, rates) = (self.count(), self.wall_rates(w));
+        let (count, rates) = (self.count(), self.surface_rates(self.surface.wall(), w));
         let mut loads = Loads { moments: vec![T::from(0.0); w.len()], wall_work: T::from(0.0) };
         for (point, l) in at_each_point(l, self.points.len()).enumerate() {
             let wall = self.wall_at(point, w, &rates);
@@ -80,19 +80,11 @@ impl<const D: usize> RigidBody<D> {
         (six(&force, &moment), power)
     }
 
-    /// The velocities of the wall at the time nodes, as the mesh moves, `[b][node][component]`.
-    fn wall_rates<T: Transcendental>(&self, w: &[T]) -> Vec<T> {
-        let q = self.positions(w);
-        let nodes = q.chunks_exact(self.count());
-        let mut rates = nodes.flat_map(|q| self.surface.wall_displacement(&self.data, q)).collect::<Vec<T>>();
-        self.motion.velocities(self.slab.dt, &lifted(&self.slab.surface), &mut rates);
-        rates
-    }
-
     /// The wall at a time point. The coordinates have the rates `w`, and the wall nodes the velocities `rates`, at the time nodes.
     fn wall_at<T: Transcendental>(&self, point: usize, w: &[T], rates: &[T]) -> Wall<T> {
         let (dt, s) = (self.slab.dt, self.points[point]);
-        let (mut d, mut q) = (lifted(&self.slab.surface), lifted(&self.slab.position));
+        let wall = self.surface.wall().len() * D;
+        let (mut d, mut q) = (lifted(&self.slab.surface[..wall]), lifted(&self.slab.position));
         self.motion.displacement(dt, &d.clone(), rates, s, &mut d);
         self.motion.displacement(dt, &q.clone(), w, s, &mut q);
         let h = self.data.place(&q).h;
