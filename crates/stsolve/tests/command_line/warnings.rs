@@ -22,6 +22,7 @@ const DOUBTFUL: &[(&[&str], &str, &str)] = &[
     (&["mesh.generate.airfoil.far_field=5"], "far field", "`far_field`"),
     (&["mesh.generate.airfoil={first_cell=0.2}"], "first cell", "`first_cell`"),
     (&["flow.quadrature={points=5}"], "quadrature", "\"conserving\""),
+    (&["flow.quadrature=\"collocated\"", "time.order=1"], "quadrature in time", "`time.order = 2` or more"),
     (&["motion.boundary.airfoil.displacement=[0, \"t\"]"], "start of the motion", "at_rest"),
     (&["motion={displacement=[0, \"0.5*t\"]}"], "start of the motion", "with a speed of 5.00e-1"),
     (

@@ -79,6 +79,18 @@ pub(super) fn quadrature<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -
     warning("quadrature", text)
 }
 
+/// Collocated rules at one time of a slab: the pressure of the gas at rest then works on walls that turn.
+pub(super) fn times_of_quadrature<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
+    let case = facts.case;
+    let collocated = matches!(flow.quadrature, Quadrature::Collocated(_));
+    if !collocated || case.time.order > 1 || case.motion.is_none() && case.bodies.is_empty() {
+        return None;
+    }
+    let text = "with one node in time a collocated rule sees a slab at one time only, and pressure at rest works on walls that turn: \
+                `time.order = 2` or more, or `flow.quadrature = \"conserving\"`";
+    warning("quadrature in time", text.to_owned())
+}
+
 /// A periodic motion with too few nodes in time.
 pub(super) fn slab_length<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
     let (time, scales) = (&facts.case.time, facts.motion?);

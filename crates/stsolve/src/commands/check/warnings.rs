@@ -1,7 +1,7 @@
 //! Choices of a case that are allowed, but likely wrong.
 
 use super::Facts;
-use super::resolution::{free_flow, layer, longest_slab, poor_cells, quadrature, slab_length};
+use super::resolution::{free_flow, layer, longest_slab, poor_cells, quadrature, slab_length, times_of_quadrature};
 use super::scales::{MotionScales, on_walls, speed_at_start};
 use super::{gas, streams};
 use case::expression::Overshoot;
@@ -79,8 +79,14 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
             unheld_in_equilibrium(facts.case).and_then(|text| warning("equilibrium", text)),
             fast_walls(facts, flow, &walls),
         ];
-        let of_resolution =
-            [quadrature(facts, flow), layer(facts, flow), free_flow(facts, flow), mach(flow), lines(facts, flow)];
+        let of_resolution = [
+            quadrature(facts, flow),
+            times_of_quadrature(facts, flow),
+            layer(facts, flow),
+            free_flow(facts, flow),
+            mach(flow),
+            lines(facts, flow),
+        ];
         of_boundaries.into_iter().chain(of_start).chain(of_resolution)
     });
     let of_all = [
