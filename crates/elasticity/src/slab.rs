@@ -96,11 +96,11 @@ impl SlabMotion {
 
     /// Shifts the velocities `v[b][..]` by constants, such that the displacement `bottom` becomes `top`.
     pub fn lead_to<T: Real>(&self, dt: f64, bottom: &[T], top: &[T], v: &mut [T]) {
-        let mut reached = bottom.to_vec();
-        self.displacement(dt, bottom, v, 1.0, &mut reached);
+        let mut missing = bottom.to_vec();
+        self.displacement(dt, bottom, v, 1.0, &mut missing);
+        missing.iter_mut().zip(top).for_each(|(missing, top)| *missing = (*top - *missing) / top.constant(dt));
         for node in v.chunks_exact_mut(bottom.len()) {
-            let missing = top.iter().zip(&reached).map(|(top, reached)| (*top - *reached) / top.constant(dt));
-            node.iter_mut().zip(missing).for_each(|(v, missing)| *v += missing);
+            node.iter_mut().zip(&missing).for_each(|(v, missing)| *v += *missing);
         }
     }
 }

@@ -309,12 +309,17 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
     fn judge(&mut self, z: &[f64], decreased: bool) -> Result<(), Error> {
         let norm = self.report.final_norm();
         let reference = self.tolerances.reference;
+        let diverged = || Err(Error::Diverged { reference, report: Box::new(self.report.clone()) });
+        // An infinite norm is never small, not even beside an infinite reference.
+        if !norm.is_finite() {
+            return diverged();
+        }
         if self.tolerances.met(norm, self.report.final_field_norms()) {
             self.report.convergence = Some(Convergence::Tolerance);
-        } else if !decreased && norm.is_finite() && norm <= self.tolerances.round_off {
+        } else if !decreased && norm <= self.tolerances.round_off {
             self.report.convergence = Some(Convergence::RoundOff);
-        } else if !norm.is_finite() || norm > self.settings.divergence * reference.max(self.report.initial_norm) {
-            return Err(Error::Diverged { reference, report: Box::new(self.report.clone()) });
+        } else if norm > self.settings.divergence * reference.max(self.report.initial_norm) {
+            return diverged();
         } else if self.has_met_rounding() {
             self.ends_at_round_off(z);
         }

@@ -61,16 +61,13 @@ impl Tolerances {
     pub(super) fn met_but_for_rounding(&self, norm: f64, field_norms: &[f64]) -> bool {
         let Some(rounding) = &self.rounding else { return false };
         let mut fields = field_norms.iter().zip(&self.fields).zip(rounding);
-        norm.is_finite()
-            && norm <= self.total.max(total(rounding))
+        norm <= self.total.max(total(rounding))
             && fields.all(|((norm, tolerance), rounding)| *norm <= tolerance.max(*rounding))
     }
 
-    /// (converged). An infinite norm is never small, not even beside an infinite reference.
+    /// (converged)
     pub(super) fn met(&self, norm: f64, field_norms: &[f64]) -> bool {
-        norm.is_finite()
-            && norm <= self.total
-            && field_norms.iter().zip(&self.fields).all(|(norm, tolerance)| norm <= tolerance)
+        norm <= self.total && field_norms.iter().zip(&self.fields).all(|(norm, tolerance)| norm <= tolerance)
     }
 
     /// The norm that a linear residual must reach for (converged): the smallest tolerance that is not met yet.

@@ -108,7 +108,7 @@ pub(super) fn slab_length<const D: usize>(facts: &Facts<'_, D>) -> Option<Warnin
     warning("slab length", text)
 }
 
-/// A motion that rests for a while, which slabs that adapt may step over: they see it at their nodes only.
+/// A motion that rests for a while, which slabs that adapt may step over: they see it at a few times only.
 pub(super) fn longest_slab<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
     let (time, scales) = (&facts.case.time, facts.motion?);
     let (largest, period) = (time.control?.largest, std::f64::consts::TAU / scales.frequency());
@@ -119,7 +119,7 @@ pub(super) fn longest_slab<const D: usize>(facts: &Facts<'_, D>) -> Option<Warni
     // The longest slab is at least as long as the first one.
     let keys = if time.step > wanted { "`time.step` and `time.adaptive.largest`" } else { "`time.adaptive.largest`" };
     let text = format!(
-        "the motion rests for a time of {:.2e}, in which slabs may grow up to {largest:.2e}; they see the motion at their nodes only, and may step over \
+        "the motion rests for a time of {:.2e}, in which slabs may grow up to {largest:.2e}; they see the motion at a few times only, and may step over \
          what follows, with a period of about {period:.2e}: {keys} of {wanted:.2e} or less",
         scales.rest
     );
