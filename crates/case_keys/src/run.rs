@@ -96,7 +96,8 @@ pub struct Output {
     pub surfaces: Option<Surfaces>,
     /// Averages over time at the points of the mesh, which go to the result with the other fields.
     pub averages: Option<Averages>,
-    /// Integrals over the flow that go to history.csv after every slab.
+    /// Integrals over the flow that go to history.csv after every slab, by a fine rule on the curved cells. With a collocated `flow.quadrature`
+    /// the scheme conserves sums of its own points, so the momentum here drifts by the error of that rule.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub integrals: Vec<Integral>,
     /// Points whose fields go to history.csv after every slab, by name.

@@ -9,9 +9,9 @@ use crate::nonlinear::{self, ElasticEquations};
 use crate::shifted::Shifted;
 use crate::structure_slab::StructureSlab;
 use crate::{ElasticityError, Inversion, Structure};
-use newton_krylov::forcing;
-use newton_krylov::newton::{Error, Settings};
+use newton_krylov::newton::{Error, Report, Settings, Stall};
 use newton_krylov::problem::Inadmissible;
+use newton_krylov::{forcing, line_search};
 
 /// Relative tolerance of a preconditioner that is a solve.
 const PRECONDITIONER_TOLERANCE: f64 = 1e-2;
@@ -24,6 +24,9 @@ const ROUNDING_LEFT: f64 = 1e-11;
 
 /// If the forces at the solution are less than this part of those at the guess, the solution is not accurate enough for them.
 const SMALLER: f64 = 0.1;
+
+/// Full steps end if the residual has not fallen for so many of them.
+const PATIENCE: Stall = Stall { steps: 30, factor: 0.9 };
 
 /// What Newton's method has cost.
 #[derive(Default)]
@@ -40,18 +43,9 @@ pub(crate) fn solve(
     time: f64,
     x: &mut [f64],
 ) -> Result<Work, ElasticityError> {
-    let settings = Settings {
-        relative_tolerance: TOLERANCE,
-        round_off: TOLERANCE,
-        max_steps: 100,
-        forcing: forcing::Settings { minimum: 1e-4, ..Default::default() },
-        // A step that bends a thin body stretches it at first, and may raise the residual by the square of its slenderness.
-        divergence: f64::INFINITY,
-        ..Default::default()
-    };
     let (mut work, mut forces) = (Work::default(), forces_at(x)?);
     loop {
-        let report = match nonlinear::solve(equations, x, forces, settings) {
+        let report = match solve_from(equations, forces, x) {
             Ok(report) => report,
             // No step lowers a residual of rounding.
             Err(Error::LineSearch { report, .. } | Error::Krylov { report, .. })
@@ -68,6 +62,26 @@ pub(crate) fn solve(
             return Ok(work);
         }
     }
+}
+
+/// Full steps first, and from the same guess again with a line search if they fail. A step that bends a thin body stretches it at first, and
+/// may raise the residual by the square of its slenderness. The next steps take that back, where a line search would creep.
+fn solve_from(equations: &mut impl ElasticEquations, forces: f64, x: &mut [f64]) -> Result<Report, Error> {
+    let guess = x.to_vec();
+    let searching = Settings {
+        relative_tolerance: TOLERANCE,
+        round_off: TOLERANCE,
+        max_steps: 100,
+        forcing: forcing::Settings { minimum: 1e-4, ..Default::default() },
+        divergence: f64::INFINITY,
+        ..Default::default()
+    };
+    let any_decrease = line_search::Settings { sufficient_decrease: f64::NEG_INFINITY, ..searching.line_search };
+    let full = Settings { line_search: any_decrease, stall: Some(PATIENCE), ..searching };
+    nonlinear::solve(equations, x, forces, full).or_else(|_| {
+        x.copy_from_slice(&guess);
+        nonlinear::solve(equations, x, forces, searching)
+    })
 }
 
 /// A residual below this is rounding at `x`.

@@ -176,9 +176,40 @@ fn march<const D: usize, const M: usize>(
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
 {
+    require_one_case(case, &**communicator)?;
     agree(&**communicator, require_memory(case, communicator.size()))?;
     agree(&**communicator, require_distinct_columns(case))?;
     agree(&**communicator, march_of_share(case, flow, communicator).map_err(Failure::BadInput))
+}
+
+/// A rank has read another case or mesh file.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "process {rank} has read another {what} than process 0: every process needs the same arguments, and the same files of the case, its tables \
+     and its mesh"
+)]
+pub struct OtherCase {
+    rank: usize,
+    what: &'static str,
+}
+
+/// Refuses ranks whose case or mesh is not that of rank 0: each would solve other equations for its cells. A collective call.
+fn require_one_case<const D: usize>(case: &Case<D>, communicator: &dyn Communicator) -> Result<(), Failure> {
+    if communicator.size() == 1 {
+        return Ok(());
+    }
+    let mesh = &case.mesh;
+    let text = case.about.resolved.bytes().map(f64::from);
+    let boundaries = mesh.boundary_facets().iter().flat_map(|facet| [facet.side.cell, facet.side.face, facet.boundary]);
+    let names = mesh.boundary_names().iter().flat_map(|name| name.bytes()).map(f64::from);
+    let positions = (0..mesh.n_cells()).flat_map(|cell| mesh.cell_coordinates(cell).iter().copied());
+    let mesh = digest(positions.chain(boundaries.map(|number| number as f64)).chain(names));
+    for (what, digest) in [("case", digest(text)), ("mesh", mesh)] {
+        if let Some(rank) = first_other(communicator, digest) {
+            return Err(Failure::BadInput(OtherCase { rank, what }.into()));
+        }
+    }
+    Ok(())
 }
 
 /// The march of the share of this rank.

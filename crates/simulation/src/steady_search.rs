@@ -150,12 +150,17 @@ fn told(stage: &Stage) -> String {
     format!("steady flow of order {order}{flux}: newton {steps}  krylov {iterations}{end}")
 }
 
+/// What to do about flow and bodies that keep moving.
+const RESTLESS: &str = "no equilibrium of flow and bodies was found: a march in time shows how they move, with `solver.steady.bodies = \"held\"`; \
+                        a larger `solver.steady.tolerance` accepts small motions";
+
 /// The slab that could not be solved is the cause that the examination of a failure looks for.
 fn with_cause(error: NoEquilibrium) -> anyhow::Error {
     let words = error.to_string();
     match error {
         NoEquilibrium::Slab { source, .. } => anyhow::Error::new(source).context(words),
-        NoEquilibrium::Moves { .. } | NoEquilibrium::Stopped { .. } => anyhow::Error::new(error),
+        NoEquilibrium::Moves { .. } => anyhow::Error::new(error).context(RESTLESS),
+        NoEquilibrium::Stopped { .. } => anyhow::Error::new(error),
     }
 }
 

@@ -9,7 +9,7 @@ use case::AnyCase;
 use common::{assert_same_bits, number, shipped, summary};
 use ranks::{FileSharing, Threads};
 use several_ranks::{assert_same_bits_on, attempt, attempt_with, changes, run};
-use simulation::{Existing, Failure};
+use simulation::{Destination, Existing, Failure};
 use std::collections::BTreeMap;
 use std::path::Path;
 use tempfile::TempDir;
@@ -328,4 +328,24 @@ fn a_control_has_the_same_bits_on_any_number_of_ranks() {
         "output.integrals=[\"momentum_x\"]",
     ];
     assert_ranks_leave_no_trace("vortex", &[&VORTEX[..], &controlled].concat());
+}
+
+/// Ranks whose files or arguments differ solved different equations, and the run ended as if nothing were wrong.
+#[test]
+fn ranks_with_different_cases_are_refused() {
+    let directory = TempDir::new().unwrap();
+    for other in ["flow.gas.gamma=1.3", "output.every=7", "time.step=0.1"] {
+        let results = Threads::run_with(None, 3, |communicator| {
+            let set: Vec<&str> = VORTEX.into_iter().chain((communicator.rank() == 2).then_some(other)).collect();
+            let case = AnyCase::read(Path::new(&shipped("vortex.toml")), &changes(&set)).unwrap();
+            if communicator.rank() > 0 {
+                simulation::serve(&case, &communicator);
+                return Ok(());
+            }
+            let destination = Destination { directory: directory.path().join("run"), existing: Existing::Keep };
+            simulation::run_on(communicator, &case, &destination, &()).map(drop)
+        });
+        let Err(Failure::BadInput(error)) = &results[0] else { panic!("{other}: {:?}", results[0]) };
+        assert!(format!("{error:#}").contains("process 2 has read another case than process 0"), "{error:#}");
+    }
 }

@@ -2,11 +2,15 @@
 
 use super::mesh_crate::{Mesh, NodeNumbering};
 use super::parts::SolidPart;
-use super::{Motion, RigidBody, Structure, Time};
+use super::{Flow, Motion, RigidBody, Structure, Time};
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
 use coupled::BoundaryField;
+use navier_stokes::Boundary;
 use std::collections::{BTreeMap, BTreeSet};
+
+/// A node with a smaller weight follows a body by rounding alone.
+const SMALL_WEIGHT: f64 = 1e-9;
 
 /// What holds a node, by component: None where it is free.
 type Held<const D: usize> = [Option<f64>; D];
@@ -43,26 +47,33 @@ pub(super) fn check<const D: usize>(
     Ok(())
 }
 
-/// A rigid body takes the nodes of its walls along. Plane boundaries that share some of them must not be left by them: the body cannot move across
-/// these planes. `moved` are the boundaries that bodies and structures move. Where the mesh follows by weights all nodes move.
+/// A rigid body takes the nodes of its walls along, and others where the mesh follows by weights. Nodes of the walls must not leave plane
+/// boundaries that share them, and no node may leave a plane of symmetry: the body cannot move across these planes. `moved` are the boundaries
+/// that bodies and structures move.
 pub(super) fn check_bodies<const D: usize>(
     checker: &Checker<'_>,
     bodies: &[RigidBody<D>],
     moved: &[bool],
-    mesh: &Mesh<D>,
+    (mesh, flow): (&Mesh<D>, Option<&Flow<D>>),
 ) -> Checked<()> {
-    let bodies: Vec<_> = bodies.iter().filter(|body| body.mesh.is_none()).collect();
     if bodies.is_empty() {
         return Ok(());
     }
     let numbering = NodeNumbering::new(mesh, mesh.order());
     let nodes_on = |boundary: usize| super::shared_nodes::nodes_on(mesh, &numbering, boundary);
+    let is_symmetry =
+        |boundary: usize| flow.is_some_and(|flow| matches!(flow.boundary[boundary].condition, Boundary::Symmetry(_)));
     for body in bodies {
         let nodes: BTreeSet<usize> = body.walls.iter().flat_map(|wall| nodes_on(*wall).map(|(node, _)| node)).collect();
-        for boundary in (0..moved.len()).filter(|boundary| !moved[*boundary]) {
+        let follows = |node: usize, x: &[f64; D]| match body.weight(x) {
+            None => nodes.contains(&node),
+            Some(weight) => weight.abs() > SMALL_WEIGHT,
+        };
+        let at_rest = (0..moved.len()).filter(|boundary| !moved[*boundary]);
+        for boundary in at_rest.filter(|&boundary| body.mesh.is_none() || is_symmetry(boundary)) {
             // A boundary that is no plane normal to an axis has no such axes.
             let Ok(normal) = mesh.normal_axes(&numbering, boundary) else { continue };
-            for (node, x) in nodes_on(boundary).filter(|(node, _)| nodes.contains(node)) {
+            for (node, x) in nodes_on(boundary).filter(|(node, x)| follows(*node, x)) {
                 let across = |axis: &usize| normal[&node][*axis] && body.moves_along(*axis, &x, 1e-9 * mesh.diameter());
                 if let Some(axis) = (0..D).find(across) {
                     return Err(leaves(checker, &body.name, &mesh.boundary_names()[boundary], &x, axis));
@@ -76,9 +87,9 @@ pub(super) fn check_bodies<const D: usize>(
 fn leaves(checker: &Checker<'_>, body: &str, boundary: &str, x: &[f64], axis: usize) -> Box<crate::CaseError> {
     let axis = ["x", "y", "z"][axis];
     let problem = format!(
-        "the node at {x:?} lies on the boundary `{boundary}`, too, and would leave its plane, for `{body}` can move along {axis}"
+        "the node at {x:?} on the boundary `{boundary}` would leave its plane, for `{body}` can move along {axis}"
     );
-    let accepted = "a body that moves along the planes of the boundaries with which its walls share nodes";
+    let accepted = "a body that moves along the planes of boundaries that share nodes with its walls, or of symmetry where its mesh reaches them";
     checker.combination(&super::bodies::key_of(body), &problem, accepted)
 }
 

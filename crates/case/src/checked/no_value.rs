@@ -19,21 +19,24 @@ pub struct NoValue {
 }
 
 impl<const D: usize> Flow<D> {
-    /// The first formula of a source, a sponge or a boundary condition that has no finite value at one of `times`. Sources are looked at in one
-    /// node of every cell. Nodes have the `displacement` of (cell, node of the cell, position at rest).
+    /// The first formula of a source, a sponge or a boundary condition that has no finite value at one of `times`. Sources are looked at in all
+    /// nodes of the mesh. Nodes have the `displacement` of (cell, node of the cell, position at rest).
     pub fn without_value(
         &self,
         mesh: &Mesh<D>,
         displacement: impl Fn(usize, usize, &[f64; D]) -> [f64; D],
         times: &[f64],
     ) -> Option<NoValue> {
-        let first_node = |cell: usize| {
-            let rest: [f64; D] = std::array::from_fn(|i| mesh.cell_coordinates(cell)[i]);
-            let d = displacement(cell, 0, &rest);
-            std::array::from_fn(|i| rest[i] + d[i])
+        let nodes_of = |cell: usize| {
+            let at_rest = mesh.cell_coordinates(cell).as_chunks::<D>().0.iter().enumerate();
+            let displaced = |(k, rest): (usize, &[f64; D])| {
+                let d = displacement(cell, k, rest);
+                std::array::from_fn(|i| rest[i] + d[i])
+            };
+            at_rest.map(displaced).collect::<Vec<[f64; D]>>()
         };
         let of_source = self.source.as_ref().and_then(super::Source::formulas).and_then(|formulas| {
-            let nodes = (0..mesh.n_cells()).map(first_node);
+            let nodes = (0..mesh.n_cells()).flat_map(nodes_of);
             without_value("flow.source` or `flow.sponge", &|x, t| has_value(formulas, x, t), nodes, times)
         });
         of_source.or_else(|| self.boundary_without_value(mesh, displacement, times))

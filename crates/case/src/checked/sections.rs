@@ -181,7 +181,7 @@ pub(super) fn check_together<const D: usize>(
     let (flow, motion) = (flow.as_ref(), motion.as_ref());
     equilibrium::check(checker, raw, bodies, structure.as_ref())?;
     held_nodes::check(checker, structure.as_ref(), motion, mesh, time)?;
-    held_nodes::check_bodies(checker, bodies, &movers.moved(mesh), mesh)?;
+    held_nodes::check_bodies(checker, bodies, &movers.moved(mesh), (mesh, flow))?;
     sliding_mesh::check_walls(checker, mesh, motion, flow)?;
     let (Some(raw), Some(flow)) = (&raw.flow, flow) else { return Ok(()) };
     let (moved, numbering) = (&movers.moved(mesh), OnceCell::new());

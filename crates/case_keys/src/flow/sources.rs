@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 pub enum Source {
     /// The source that makes the exact state a solution, by exact differentiation.
     Manufactured,
-    /// A body force per mass, a formula per axis in x, y, z and t: gravity, or what drives a periodic channel.
+    /// A body force per mass, a formula per axis in x, y, z and t: gravity, or what drives a periodic channel. It acts on the gas alone: bodies
+    /// have `force`, structures `body_force`.
     Acceleration(Vec<Formula>),
     /// Mass, momentum and energy per volume and time.
     Given(GivenSource),

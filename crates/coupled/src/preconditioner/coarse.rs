@@ -59,7 +59,7 @@ pub struct CoarseLevel<T: Entry> {
 
 impl<T: Entry> CoarseLevel<T> {
     /// The coarse level of the modes of `sweeps`, which precondition the flow of `operator`; `damping` is added to all lambda. There are at most
-    /// `most` aggregates. None if a coarse matrix is singular, or memory runs out on a rank. A collective call.
+    /// `most` aggregates if pairing gets there. None if a coarse matrix is singular, or memory runs out on a rank. A collective call.
     pub fn new<const D: usize, const M: usize>(
         operator: &SlabOperator<D, M>,
         sweeps: &BlockIlu<T>,

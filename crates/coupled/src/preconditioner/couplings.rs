@@ -7,6 +7,7 @@ use super::ordering::Ordering;
 use super::panel::padded;
 use fem::parallel::{self, Grain};
 use fem::{SpaceJacobian, Stored};
+use std::slice::ChunksExact;
 
 /// What a sweep does with a neighbour of a cell: A_ik = T_f^T B T_g, i the cell, k the neighbour.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +26,9 @@ pub struct Step {
 pub struct Couplings {
     /// Of a block.
     shape: Shape,
+    /// How many numbers in bfloat16 an entry is the sum of.
+    terms: usize,
+    /// `[block][term]`
     blocks: Vec<u32>,
     /// The link of every block.
     links: Vec<Link>,
@@ -40,22 +44,23 @@ impl Couplings {
         let shape = Shape { n: t, parts: 1 };
         let mut order = Vec::new();
         let [earlier, later] = [false, true].map(|later| steps(links, ordering, later, &mut order));
-        let blocks = vec![0; bf16_blocks::panels(shape).len() * order.len()];
-        let mut couplings = Couplings { shape, blocks, links: order, earlier, later };
-        couplings.update(jacobian);
+        let mut couplings = Couplings { shape, terms: 1, blocks: Vec::new(), links: order, earlier, later };
+        couplings.update(jacobian, 1);
         couplings
     }
 
-    /// The couplings of another `jacobian` along the same links.
-    pub fn update<T: Stored>(&mut self, jacobian: &SpaceJacobian<T>) {
-        let shape = self.shape;
-        parallel::for_each_chunk(&mut self.blocks, bf16_blocks::panels(shape).len(), Grain::Any, &|number, stored| {
+    /// The couplings of another `jacobian` along the same links, in so many `terms`.
+    pub fn update<T: Stored>(&mut self, jacobian: &SpaceJacobian<T>, terms: usize) {
+        let (shape, len) = (self.shape, bf16_blocks::panels(self.shape).len());
+        self.terms = terms;
+        self.blocks.resize(len * terms * self.links.len(), 0);
+        parallel::for_each_chunk(&mut self.blocks, len * terms, Grain::Any, &|number, stored| {
             let mut block = vec![0.0; shape.len()];
             let columns = coupling_block(jacobian, self.links[number]).chunks_exact(shape.n);
             for (column, b) in block.chunks_exact_mut(shape.stride()).zip(columns) {
                 column.iter_mut().zip(b).for_each(|(column, &b)| *column = b.into() as f32);
             }
-            bf16_blocks::store(shape, &block, stored);
+            stored.chunks_exact_mut(len).for_each(|term| bf16_blocks::store(shape, &mut block, term));
         });
     }
 
@@ -71,10 +76,10 @@ impl Couplings {
     pub fn number(&self, step: &Step) -> usize {
         self.links[step.block].coupling
     }
-    /// The block B of a step, in [`bf16_blocks`].
-    pub fn block(&self, step: &Step) -> &[u32] {
+    /// The terms of the block B of a step, in [`bf16_blocks`].
+    pub fn block(&self, step: &Step) -> ChunksExact<'_, u32> {
         let len = bf16_blocks::panels(self.shape).len();
-        &self.blocks[step.block * len..(step.block + 1) * len]
+        self.blocks[step.block * self.terms * len..][..self.terms * len].chunks_exact(len)
     }
     /// Padded rows of a block.
     pub fn rows(&self) -> usize {

@@ -18,13 +18,19 @@ use fem::parallel::{self, Grain};
 use fem::{Layout, PerThread, Share, SlabOperator, SpaceJacobian, Stored};
 use navier_stokes::Conserved;
 use newton_krylov::operator::Preconditioner;
+use std::slice::ChunksExact;
+use std::sync::atomic::AtomicU32;
 use std::sync::{Arc, Mutex};
 use tensor::Arch;
+
+/// If (growth) is larger, entries are stored in two terms. Below, a second term saves no iteration; at twice as much, slabs of thin cells between
+/// planes of symmetry took a hundred times as many without it.
+const LARGE_GROWTH: f64 = 32768.0;
 
 /// Block ILU(0) of every temporal mode of a slab.
 ///
 /// The Jacobian is kept with entries of type `T`. Off-diagonal blocks are the same for all modes and kept in traces; they and the factors are
-/// stored in bfloat16. The iteration that uses them works in double precision and loses nothing.
+/// stored in bfloat16, each entry as one number or as the sum of two. The iteration that uses them works in double precision and loses nothing.
 pub struct BlockIlu<T> {
     pub(super) layout: Layout,
     pub(super) share: Arc<Share>,
@@ -33,8 +39,12 @@ pub struct BlockIlu<T> {
     links: Vec<Vec<Link>>,
     pub(super) ordering: Ordering,
     pub(super) couplings: Couplings,
-    /// D^{-1} of all modes, own cell by own cell in the order of positions.
+    /// D^{-1} of all modes, own cell by own cell in the order of positions, `[cell][term][mode]`.
     inverses: Vec<u32>,
+    /// How many numbers in bfloat16 the entries of D^{-1} and of the couplings are the sums of.
+    terms: usize,
+    /// The scale of every unknown of a cell.
+    scales: Vec<f32>,
     /// How traces are taken and sent back, for every face of a cell.
     pub(super) faces: Vec<FaceTraces>,
     pub(super) dt: f64,
@@ -96,6 +106,8 @@ impl<T: Stored> BlockIlu<T> {
             links,
             couplings,
             inverses: Vec::new(),
+            terms: 1,
+            scales: scales.iter().flat_map(|&scale| std::iter::repeat_n(scale as f32, jacobian.block / M)).collect(),
             faces: (0..faces).map(|face| FaceTraces::new(&jacobian.traces, face)).collect(),
             dt,
             arch: Arch::new(),
@@ -121,27 +133,43 @@ impl<T: Stored> BlockIlu<T> {
         other: impl FnOnce(&Self) -> R + Send,
     ) -> R {
         operator.update_space_jacobian(0.5, &mut self.jacobian);
-        self.couplings.update(&self.jacobian);
+        self.couplings.update(&self.jacobian, self.terms);
         self.factor_beside(scales, other)
     }
 
     /// Factors the modes while `other` works. Several ranks do one after the other: both may talk to other ranks.
     pub(super) fn factor_beside<R: Send>(&mut self, scales: TimeScales, other: impl FnOnce(&Self) -> R + Send) -> R {
         self.dt = scales.dt;
-        let mut inverses = std::mem::take(&mut self.inverses);
-        let result = if self.share.is_distributed() {
-            self.factorise(scales, &mut inverses);
-            other(self)
+        let inverses = std::mem::take(&mut self.inverses);
+        let ((inverses, terms), result) = if self.share.is_distributed() {
+            (self.factorise(scales, inverses), other(self))
         } else {
-            rayon::join(|| self.factorise(scales, &mut inverses), || other(self)).1
+            rayon::join(|| self.factorise(scales, inverses), || other(self))
         };
         self.inverses = inverses;
+        if terms != self.terms {
+            self.terms = terms;
+            self.couplings.update(&self.jacobian, terms);
+        }
         result
     }
 
-    fn factorise(&self, TimeScales { dt, damping }: TimeScales, inverses: &mut Vec<u32>) {
+    /// The factors in the memory of `inverses`, and the number of their terms. It follows from the Jacobian alone, as a resumed run has no
+    /// other.
+    fn factorise(&self, scales: TimeScales, mut inverses: Vec<u32>) -> (Vec<u32>, usize) {
+        // Mostly they need as many terms as before.
+        let growth = self.factorise_in(self.terms, scales, &mut inverses);
+        let terms = if growth > LARGE_GROWTH { 2 } else { 1 };
+        if terms != self.terms {
+            self.factorise_in(terms, scales, &mut inverses);
+        }
+        (inverses, terms)
+    }
+
+    /// Factors the modes in `terms`; returns their (growth) on all ranks.
+    fn factorise_in(&self, terms: usize, TimeScales { dt, damping }: TimeScales, inverses: &mut Vec<u32>) -> f64 {
         let len: usize = self.shapes().map(|shape| bf16_blocks::panels(shape).len()).sum();
-        inverses.resize(len * self.layout.cells, 0);
+        inverses.resize(len * terms * self.layout.cells, 0);
         let shifts: Vec<c64> = self.modes.eigenvalues.iter().map(|lambda| lambda + damping).collect();
         let elimination = Elimination {
             jacobian: &self.jacobian,
@@ -152,8 +180,13 @@ impl<T: Stored> BlockIlu<T> {
             faces: &self.faces,
             dt,
             shifts: &shifts,
+            scales: &self.scales,
+            terms,
+            growth: AtomicU32::new(0),
         };
         elimination.factorise(inverses);
+        let growth = f32::from_bits(elimination.growth.into_inner());
+        largest(&self.share, &[f64::from(growth)])
     }
 
     /// The blocks of the modes.
@@ -161,10 +194,10 @@ impl<T: Stored> BlockIlu<T> {
         self.modes.eigenvalues.iter().map(|lambda| Elimination::<T>::shape(self.jacobian.block, *lambda))
     }
 
-    /// D^{-1} of all modes at `position`.
-    pub(super) fn inverses(&self, position: usize) -> &[u32] {
+    /// The terms of D^{-1} of all modes at `position`.
+    pub(super) fn inverses(&self, position: usize) -> ChunksExact<'_, u32> {
         let (len, number) = (self.inverses.len() / self.layout.cells, self.ordering.among_own(position));
-        &self.inverses[number * len..(number + 1) * len]
+        self.inverses[number * len..(number + 1) * len].chunks_exact(len / self.terms)
     }
 
     /// The couplings of every cell.

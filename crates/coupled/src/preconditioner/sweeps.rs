@@ -143,8 +143,9 @@ impl<T: Stored> BlockIlu<T> {
                     taken.copy_from_slice(&lock(&self.received[self.couplings.number(step)]));
                 }
                 sent.fill(0.0);
-                let matrix = self.couplings.block(step);
-                self.arch.dispatch(MultiplyBf16 { matrix, columns, half, x: taken, y: sent });
+                for matrix in self.couplings.block(step) {
+                    self.arch.dispatch(MultiplyBf16 { matrix, columns, half, x: taken, y: sent });
+                }
                 for (sent, c) in sent.chunks_exact(t).zip(c.chunks_exact_mut(rows)) {
                     self.faces[step.face].subtract(self.dt as f32, sent, c);
                 }
@@ -152,10 +153,15 @@ impl<T: Stored> BlockIlu<T> {
         });
     }
 
-    /// x += D^{-1} c, mode by mode.
+    /// x += D^{-1} c, term by term.
     fn add_inverse(&self, position: usize, c: &[f32], x: &mut [f32]) {
+        self.inverses(position).for_each(|term| self.add_term(term, c, x));
+    }
+
+    /// x += D^{-1} c with the `stored` term of D^{-1}, mode by mode.
+    fn add_term(&self, mut stored: &[u32], c: &[f32], x: &mut [f32]) {
         let rows = padded(self.jacobian.block);
-        let (mut first, mut stored) = (0, self.inverses(position));
+        let mut first = 0;
         for shape in self.shapes() {
             let (matrix, rest) = stored.split_at(bf16_blocks::panels(shape).len());
             let range = first * rows..(first + shape.parts) * rows;

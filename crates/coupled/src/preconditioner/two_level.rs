@@ -60,7 +60,7 @@ impl<T: Entry> TwoLevel<T> {
         Self::with_aggregates(operator, scales, ordering, (when, most))
     }
 
-    /// The same with at most `most` aggregates of cells.
+    /// The same with at most `most` aggregates of cells, if pairing gets there.
     pub fn with_aggregates<const D: usize, const M: usize>(
         operator: &SlabOperator<D, M>,
         scales: TimeScales,

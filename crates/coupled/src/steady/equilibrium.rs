@@ -7,13 +7,17 @@
 //! The slabs of a march with one node in time (implicit Euler) become longer and longer, on data of one time. Inertia and jumps divide by dt,
 //! so what is left in the end is the balance of the flow, of the stresses or springs of bodies, and of the loads between them. A short first
 //! slab lets bodies start gently.
+//!
+//! Pressures act at all times of a slab, (pressure impulse), and stresses at its top. In a slab much longer than a period, the top
+//! answers the bottom with a factor that depends on the pressure. Under a large one it is below -1: a body that is stable swings. Slabs
+//! that are shorter again damp this.
 
 use crate::block::{BodyState, Ledger};
 use crate::coupled_slab::{FlowMarch, SlabReport};
 use crate::schedule::StepControl;
 use crate::slab_error::MarchError;
 use crate::state::State;
-use newton_krylov::inner_product::largest;
+use newton_krylov::inner_product::{Euclidean, InnerProduct, largest};
 
 /// The longest slab, in units of the first one. The change from slab to slab then falls by about this factor.
 const LONGEST: f64 = 1e5;
@@ -37,7 +41,13 @@ const DRIFT: f64 = 1e-6;
 /// This many rising changes in a row indicate such a mode.
 const RISES: usize = 3;
 
-/// Slabs after which the search is given up.
+/// Bodies swing if they go back by at least this part of their way, in so many slabs one after the other.
+const SWINGS: (usize, f64) = (3, 0.5);
+
+/// Slabs then become shorter by this factor.
+const SHORTER: f64 = 8.0;
+
+/// Slabs of the same longest length after which the search is given up.
 const SLABS: usize = 80;
 
 /// Flow and bodies that rest.
@@ -101,19 +111,20 @@ pub fn find_equilibrium<const D: usize, const M: usize>(
     (tolerance, length): (f64, f64),
     is_stopped: &dyn Fn() -> bool,
 ) -> Result<Equilibrium<M>, NoEquilibrium> {
-    let (start, first) = (march.state.time, march.state.step);
+    let start = march.state.time;
     march.solver.system.hold_time(start);
     (march.schedule.end, march.schedule.begins) = (f64::INFINITY, Vec::new());
-    march.adapt(StepControl { tolerance: f64::INFINITY, smallest: SHORTEST * first, largest: LONGEST * first });
+    let mut lengths = Lengths::new(march);
     // The jump is an L2 norm over the domain.
     let system = &march.solver.system;
     let mut largest_jump = SMALL * (system.mover().reference.volume() / system.volume_scale).sqrt();
-    let (mut steps, mut iterations) = (0, 0);
+    let (mut slabs, mut steps, mut iterations) = (0, 0, 0);
     let mut changes = Changes { flow: f64::INFINITY, bodies: 1.0, rises: 0, rate: 0.0, fastest: 0.0 };
-    for slabs in 1..=SLABS {
+    while slabs < lengths.set_at + SLABS {
         if is_stopped() {
-            return Err(NoEquilibrium::Stopped { slabs: slabs - 1 });
+            return Err(NoEquilibrium::Stopped { slabs });
         }
+        slabs += 1;
         let before = march.state.d.clone();
         let step = march.state.step;
         let report = march.advance().map_err(|source| NoEquilibrium::Slab { slab: slabs, length: step, source })?;
@@ -124,11 +135,74 @@ pub fn find_equilibrium<const D: usize, const M: usize>(
         let solved = report.interval.length();
         changes.add(report.jump / largest_jump, travel(&before, &march.state.d, SMALL * length), solved);
         tracing::info!(slabs, length = solved, flow = changes.flow, bodies = changes.bodies, "equilibrium");
-        if changes.are_rest(tolerance) && solved >= TELLING * first {
+        if changes.are_rest(tolerance) && solved >= lengths.telling {
             return Ok(Equilibrium { report: at_rest(start, report, &mut march.state), slabs, steps, iterations });
         }
+        lengths.adapt(march, &before, (slabs, solved));
     }
-    Err(NoEquilibrium::Moves { slabs: SLABS, flow: changes.flow, bodies: changes.bodies })
+    Err(NoEquilibrium::Moves { slabs, flow: changes.flow, bodies: changes.bodies })
+}
+
+/// How long slabs are.
+struct Lengths {
+    /// The first slab.
+    first: f64,
+    /// The least length of a slab that shows an equilibrium.
+    telling: f64,
+    /// The number of slabs when the longest length was set.
+    set_at: usize,
+    way: Way,
+}
+
+impl Lengths {
+    /// Slabs of `march` become longer, each by a factor.
+    fn new<const D: usize, const M: usize>(march: &mut FlowMarch<D, M>) -> Self {
+        let first = march.state.step;
+        march.adapt(control(first, LONGEST * first));
+        Lengths { first, telling: TELLING * first, set_at: 0, way: Way::default() }
+    }
+
+    /// Adds a slab of `march` on top of the displacement `before`, with its number and length. Shortens the next ones if bodies swing.
+    fn adapt<const D: usize, const M: usize>(
+        &mut self,
+        march: &mut FlowMarch<D, M>,
+        before: &[f64],
+        (number, length): (usize, f64),
+    ) {
+        if !self.way.swings(before, &march.state.d) || length <= SHORTER * self.first {
+            return;
+        }
+        let longest = length / SHORTER;
+        march.adapt(control(self.first, longest));
+        march.state.step = march.state.step.min(longest);
+        // Bodies that swing are not too heavy to move.
+        (self.telling, self.set_at, self.way) = (self.telling.min(longest), number, Way::default());
+    }
+}
+
+/// Slabs of any length up to the `longest`.
+fn control(first: f64, longest: f64) -> StepControl {
+    StepControl { tolerance: f64::INFINITY, smallest: SHORTEST * first, largest: longest }
+}
+
+/// The way of the mesh in the last slab.
+#[derive(Default)]
+struct Way {
+    last: Vec<f64>,
+    /// How often in a row it went back.
+    returns: usize,
+}
+
+impl Way {
+    /// Adds a slab from the displacement `before` to `after`. Whether bodies swing.
+    fn swings(&mut self, before: &[f64], after: &[f64]) -> bool {
+        let (count, part) = SWINGS;
+        let way: Vec<f64> = before.iter().zip(after).map(|(before, after)| after - before).collect();
+        let back = -Euclidean.dot(&self.last, &way[..self.last.len()]);
+        let returns = back > 0.0 && back >= part * Euclidean.dot(&self.last, &self.last);
+        (self.last, self.returns) = (way, if returns { self.returns + 1 } else { 0 });
+        self.returns >= count
+    }
 }
 
 /// The changes in the last slab, and what is needed of those before.

@@ -155,7 +155,7 @@ fn residuals(finding: &Finding) -> String {
     }
     let mut text = "\n## Residual of each equation at last\n\n".to_owned();
     if finding.residuals.is_empty() {
-        text += "There is none: the slab has failed before its equations could be evaluated.\n";
+        text += "There is none: the run stopped before the equations of a slab could be evaluated, or after they were solved.\n";
     }
     for (name, norm) in &finding.residuals {
         let _ = writeln!(text, "* {name}: {norm:.3e}");

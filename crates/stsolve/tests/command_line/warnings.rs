@@ -109,6 +109,14 @@ fn check_warns_of_doubtful_bodies() {
     let (walls, subject) = ("flow.boundary.far=\"slip_wall\"", "wall beside a body");
     assert!(warns(cylinder, &[walls, "bodies.cylinder.mesh.between.outer=60"], subject));
     assert!(!warns(cylinder, &[walls], subject));
+    // The gas alone feels this force.
+    let gravity = "flow.source={acceleration=[0,\"-1\"]}";
+    assert!(warns(cylinder, &[gravity], "body force"));
+    assert!(!warns(cylinder, &[gravity, "bodies.cylinder.force=[0,-2]"], "body force"));
+    assert!(!warns(cylinder, &[], "body force"));
+    // A period of 2 pi (2 / spring)^1/2 in slabs of 0.2 with two nodes.
+    assert!(warns(cylinder, &["bodies.cylinder.y={spring=1e3}"], "spring"));
+    assert!(!warns(cylinder, &["bodies.cylinder.y={spring=4e2}"], "spring"));
     let released = "solver.steady={bodies=\"equilibrium\"}";
     assert!(warns(cylinder, &[released, "bodies.cylinder.x={}"], "equilibrium"));
     assert!(!warns(cylinder, &[released], "equilibrium"));

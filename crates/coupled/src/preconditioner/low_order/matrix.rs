@@ -194,8 +194,14 @@ impl Scaling<'_> {
             for face in 0..2 * D {
                 let start = (node * 2 * D + face) * M * M;
                 let other = self.root_across::<D>(cell, node, face);
+                if other == 0.0 {
+                    continue;
+                }
                 self.scaled::<M>(own * other, &rows.couplings[start..start + M * M], |number, value| {
-                    couplings[start + number] = bf16::from_f64(value);
+                    let rounded = bf16::from_f64(value);
+                    couplings[start + number] = rounded;
+                    // What rounding takes acts on a state that is the same at both nodes: thin cells are soft along it.
+                    diagonal[range.start + number] += ((value - f64::from(rounded.to_f32())) * own / other) as f32;
                 });
             }
         }

@@ -16,8 +16,8 @@ pub fn crushed(data: &FailureData) -> Option<Cause> {
         name: "crushed_structure",
         likelihood: 0.94,
         what: format!("the gas turns the structure inside out: det(I + grad d) is {} in a cell of it", number(ratio)),
-        remedy: "give boundaries that the gas does not touch a `follower_pressure` that balances the mean pressure of the gas; a larger \
-                 `structure.young_modulus`; a shorter `time.step`"
+        remedy: "balance the mean pressure p of the gas by a negative `follower_pressure`, -p, on the wall between structure and gas: in \
+                 `structure.boundary` it has the name of the region of the gas; a larger `structure.young_modulus`; a shorter `time.step`"
             .into(),
     })
 }

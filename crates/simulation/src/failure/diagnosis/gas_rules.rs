@@ -5,6 +5,12 @@ use super::{Cause, number, rises};
 use crate::openings::Misuse;
 use case::{NoValue, NotPositive};
 
+/// A flow whose states change by less within each cell is smooth, as a logarithm or relative to the speed of sound.
+const SMOOTH: f64 = 0.1;
+
+/// Below this Reynolds number of a distance of nodes viscosity alone decides.
+const CREEPING: f64 = 0.1;
+
 /// Whether the run has begun with the initial state of its case.
 fn has_initial_state(gas: &Gas) -> bool {
     gas.start != FlowStart::OtherRun
@@ -196,11 +202,15 @@ pub fn steep_start(data: &FailureData) -> Option<Cause> {
 pub fn not_resolved(data: &FailureData) -> Option<Cause> {
     let gas = data.gas.as_ref()?;
     let Extreme { quantity, value, cell } = gas.last.steepest;
+    // Viscosity damps all scales of a smooth flow whose nodes are that close.
+    if value <= SMOOTH && gas.cell_reynolds.is_some_and(|reynolds| reynolds < CREEPING) {
+        return None;
+    }
     let viscosity = match gas.cell_reynolds {
         Some(reynolds) => format!("the Reynolds number of a distance of nodes is {}", number(reynolds)),
         None => "there is no viscosity".to_owned(),
     };
-    let what = match value > 0.1 {
+    let what = match value > SMOOTH {
         true => format!(
             "steeper than the mesh resolves: the {quantity} changes {} within cell {cell}",
             change(quantity, value)

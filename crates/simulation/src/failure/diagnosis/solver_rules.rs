@@ -6,6 +6,9 @@ use super::{Cause, NEWTON_STEPS, number, rises};
 /// A residual that stagnates at less than this times the estimate of its round-off is probably round-off.
 const NEAR_ROUND_OFF: f64 = 30.0;
 
+/// Below this Mach number sound is much faster than the flow.
+const SLOW: f64 = 0.3;
+
 /// The residual was still falling when the steps were used up: by (|R_0| / |R_n|)^(1/n) in each step, or less in the last
 /// one.
 pub fn newton_steps(data: &FailureData) -> Option<Cause> {
@@ -44,13 +47,14 @@ pub fn no_steady_flow(data: &FailureData) -> Option<Cause> {
         _ => ("slow_settling", 0.9, format!("the flow settles slowly: {seen}")),
     };
     let march = "march in time: remove `[solver.steady]`, and give a `time.end` and `time.step`";
-    let remedy = if calms_down || is_unsteady {
-        march.to_owned()
-    } else {
-        let length = "the size of the body as `flow.reference.length`, if that is another one, for it scales the steps";
-        format!(
-            "a longer first step of pseudo-time, for instance `solver.steady.first_step = 10`; {length}; or {march}"
-        )
+    let length = "the size of the body as `flow.reference.length`, if that is another one, for it scales the steps";
+    let longer =
+        |steps| format!("a longer first step of pseudo-time, for instance `solver.steady.first_step = {steps}`");
+    let remedy = match calms_down || is_unsteady {
+        // Pseudo-time in short steps follows the sound in a closed domain, which hardly fades.
+        true if data.gas.as_ref().is_some_and(|gas| gas.mach < SLOW) => format!("{march}; or {}", longer(100)),
+        true => march.to_owned(),
+        false => format!("{}; {length}; or {march}", longer(10)),
     };
     Some(Cause { name, likelihood, what, remedy })
 }

@@ -81,6 +81,13 @@ fn a_fact_of_the_gas_names_its_cause() {
     assert_eq!(first(|e| gas(e).at_start.steepest.value = 4.0), "steep_initial_state");
     assert_eq!(first(|e| gas(e).last.steepest.value = 4.0), "not_resolved");
     assert_eq!(first(|e| gas(e).quadrature = [4, 6]), "quadrature");
+    // Smaller cells were the advice for a flow in which viscosity damps all scales.
+    let is_told = |reynolds: f64| {
+        let mut data = nothing_suspicious();
+        gas(&mut data).cell_reynolds = Some(reynolds);
+        causes(&data).iter().any(|cause| cause.name == "not_resolved")
+    };
+    assert!(is_told(10.0) && !is_told(1e-5));
 }
 
 /// Supersonic flow through `inflow` is named as the first cause.

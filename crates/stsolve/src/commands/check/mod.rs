@@ -9,10 +9,11 @@
 //! | `walls` | resolution of the first cell at a wall |
 //! | `measured` | measurements of trial computations |
 //! | `warnings` | choices that are allowed but likely wrong |
-//! | `gas`, `streams` | those about the gas and about its streams |
+//! | `gas`, `streams`, `bodies` | those about the gas, its streams, and bodies in it |
 //! | `resolution` | warnings about what mesh, slabs and quadrature resolve |
 
 mod blocks;
+mod bodies;
 mod gas;
 mod measured;
 mod observed;

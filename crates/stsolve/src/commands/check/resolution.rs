@@ -9,7 +9,7 @@ use mesh::Mesh;
 use navier_stokes::Boundary;
 
 /// A motion with fewer nodes in time per period is badly resolved.
-const NODES_PER_PERIOD: f64 = 12.0;
+pub(super) const NODES_PER_PERIOD: f64 = 12.0;
 
 /// A boundary layer with fewer nodes across is badly resolved.
 const NODES_IN_LAYER: f64 = 5.0;

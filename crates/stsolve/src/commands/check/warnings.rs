@@ -3,14 +3,12 @@
 use super::Facts;
 use super::resolution::{free_flow, layer, longest_slab, poor_cells, quadrature, slab_length, times_of_quadrature};
 use super::scales::{MotionScales, on_walls, speed_at_start};
-use super::{gas, streams};
+use super::{bodies, gas, streams};
 use case::expression::Overshoot;
 use case::{Flow, Motion, Preconditioner};
 use elasticity::NEARLY_INCOMPRESSIBLE;
 use navier_stokes::{Boundary, Riemann};
-use simulation::{
-    PrescribedNode, jump_of_centrifugal_force, speed_of_bodies_at_start, unheld_in_equilibrium, wall_that_bulges,
-};
+use simulation::{PrescribedNode, jump_of_centrifugal_force, speed_of_bodies_at_start, unheld_in_equilibrium};
 
 /// A spline that leaves two neighbouring points by more than this part of the range of all values is hardly meant.
 const UNMEANT: f64 = 0.5;
@@ -61,7 +59,6 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
         let of_boundaries = [
             body(facts, flow),
             gas::friction(facts, flow),
-            bulge(facts, flow),
             streams::exact(flow),
             streams::rotating_frame(facts, flow),
             streams::unlike(facts, flow),
@@ -87,7 +84,8 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
             mach(flow),
             lines(facts, flow),
         ];
-        of_boundaries.into_iter().chain(of_start).chain(of_resolution)
+        let of_bodies = bodies::warnings(facts, flow);
+        of_boundaries.into_iter().chain(of_start).chain(of_resolution).chain(of_bodies)
     });
     let of_all = [
         overshoot(facts),
@@ -102,17 +100,6 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
 
 pub(super) fn warning(subject: &'static str, text: String) -> Option<Warning> {
     Some(Warning { subject, text })
-}
-
-/// A wall beside a body that follows it by weights changes its shape.
-fn bulge<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
-    let (body, boundary) = wall_that_bulges(facts.case, flow)?;
-    let (name, wall) = (&body.name, &facts.case.mesh.boundary_names()[boundary]);
-    let text = format!(
-        "`bodies.{name}.mesh` moves the wall `{wall}`, which is of no body, across itself: a smaller `outer`, a `weight` that is 0 there, or an elastic \
-         mesh (no `bodies.{name}.mesh`)"
-    );
-    warning("wall beside a body", text)
 }
 
 /// A boundary that moves while others rest is usually a body.

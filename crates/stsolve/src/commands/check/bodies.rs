@@ -1,0 +1,73 @@
+//! Warnings about bodies that the flow moves.
+
+use super::Facts;
+use super::resolution::NODES_PER_PERIOD;
+use super::warnings::{Warning, warning};
+use case::{Flow, RigidBody};
+use coupled::blocks::rigid_body::Freedom as Direction;
+use simulation::wall_that_bulges;
+use std::f64::consts::TAU;
+use tensor::dot;
+
+/// A spring with fewer nodes in a period hardly swings.
+const FEW_NODES: f64 = 4.0;
+
+/// All of them.
+pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> [Option<Warning>; 3] {
+    [bulge(facts, flow), weightless(facts, flow), stiff_spring(facts)]
+}
+
+/// A wall beside a body that follows it by weights changes its shape.
+fn bulge<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
+    let (body, boundary) = wall_that_bulges(facts.case, flow)?;
+    let (name, wall) = (&body.name, &facts.case.mesh.boundary_names()[boundary]);
+    let text = format!(
+        "`bodies.{name}.mesh` moves the wall `{wall}`, which is of no body, across itself: a smaller `outer`, a `weight` that is 0 there, or an elastic \
+         mesh (no `bodies.{name}.mesh`)"
+    );
+    warning("wall beside a body", text)
+}
+
+/// A force on the gas, gravity perhaps, that bodies and structures do not feel.
+fn weightless<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
+    if !flow.law.source.is_force() {
+        return None;
+    }
+    let of_body = || {
+        let body = facts.case.bodies.iter().find(|body| body.force.is_none())?;
+        Some(format!("`bodies.{}.force` gives the body its weight", body.name))
+    };
+    let of_structure = || {
+        let structure = facts.case.structure.as_ref().filter(|structure| structure.body_force.is_none());
+        structure.map(|_| "`structure.body_force` gives the structure its weight".to_owned())
+    };
+    let remedy = of_body().or_else(of_structure)?;
+    warning("body force", format!("`flow.source.acceleration` acts on the gas alone: if it is gravity, {remedy}"))
+}
+
+/// A body on a spring that swings faster than slabs resolve: they damp it within a few periods.
+fn stiff_spring<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
+    let time = &facts.case.time;
+    let all = facts.case.bodies.iter().flat_map(|body| body.freedoms.iter().map(move |freedom| (body, freedom)));
+    let periods = all.filter(|(_, freedom)| freedom.motion.is_none() && freedom.spring > 0.0).map(|(body, freedom)| {
+        (TAU * (inertia(body, &freedom.direction) / freedom.spring).sqrt(), &body.name, freedom.name)
+    });
+    let (period, body, coordinate) = periods.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let nodes = period / time.step * time.order as f64;
+    if nodes >= FEW_NODES {
+        return None;
+    }
+    let text = format!(
+        "without the fluid `bodies.{body}.{coordinate}` swings with the period {period:.2e}, which has {nodes:.1} nodes in time: slabs that long          take the energy of the spring; for this motion `time.step` of {:.2e} or less",
+        period * time.order as f64 / NODES_PER_PERIOD
+    );
+    warning("spring", text)
+}
+
+/// The mass, or the moment of inertia about the axis through the pivot.
+fn inertia<const D: usize>(body: &RigidBody<D>, direction: &Direction) -> f64 {
+    let Direction::Rotation(axis) = direction else { return body.mass };
+    let arm: [f64; 3] = std::array::from_fn(|i| if i < D { body.centre_of_mass[i] - body.pivot[i] } else { 0.0 });
+    let about_centre = dot(axis, &body.inertia.map(|row| dot(&row, axis)));
+    about_centre + body.mass * (dot(&arm, &arm) - dot(&arm, axis).powi(2))
+}
