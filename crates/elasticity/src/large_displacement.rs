@@ -9,7 +9,7 @@ use crate::nonlinear::{self, ElasticEquations};
 use crate::shifted::Shifted;
 use crate::structure_slab::StructureSlab;
 use crate::{ElasticityError, Inversion, Structure};
-use newton_krylov::newton::{Error, Report, Settings, Stall};
+use newton_krylov::newton::{Error, Settings, Stall};
 use newton_krylov::problem::Inadmissible;
 use newton_krylov::{forcing, line_search};
 
@@ -19,11 +19,14 @@ const PRECONDITIONER_TOLERANCE: f64 = 1e-2;
 /// The residual is this small against the forces in it, or rounding.
 const TOLERANCE: f64 = 1e-12;
 
-/// A solve that fails has converged if its residual is below this part of the forces: only rounding is left.
+/// An attempt that fails has converged if its residual is below this part of the forces: only rounding is left.
 const ROUNDING_LEFT: f64 = 1e-11;
 
 /// If the forces at the solution are less than this part of those at the guess, the solution is not accurate enough for them.
 const SMALLER: f64 = 0.1;
+
+/// A full step may raise the residual by this factor: by any that leaves it finite.
+const LARGEST_INCREASE: f64 = 1e100;
 
 /// Full steps end if the residual has not fallen for so many of them.
 const PATIENCE: Stall = Stall { steps: 30, factor: 0.9 };
@@ -45,20 +48,10 @@ pub(crate) fn solve(
 ) -> Result<Work, ElasticityError> {
     let (mut work, mut forces) = (Work::default(), forces_at(x)?);
     loop {
-        let report = match solve_from(equations, forces, x) {
-            Ok(report) => report,
-            // No step lowers a residual of rounding.
-            Err(Error::LineSearch { report, .. } | Error::Krylov { report, .. })
-                if report.final_norm() <= (ROUNDING_LEFT * forces_at(x)?).max(rounding_of(equations, x)) =>
-            {
-                *report
-            }
-            Err(error) => return Err(ElasticityError::LargeDisplacement { time, source: Box::new(error) }),
-        };
-        work.steps += report.steps.len();
-        work.iterations += report.krylov_iterations;
+        solve_from(equations, (forces_at, forces), x, &mut work)
+            .map_err(|error| ElasticityError::LargeDisplacement { time, source: Box::new(error) })?;
         let before = std::mem::replace(&mut forces, forces_at(x)?);
-        if forces >= SMALLER * before || report.final_norm() <= TOLERANCE * forces {
+        if forces >= SMALLER * before || residual_norm(equations, x) <= TOLERANCE * forces {
             return Ok(work);
         }
     }
@@ -66,8 +59,25 @@ pub(crate) fn solve(
 
 /// Full steps first, and from the same guess again with a line search if they fail. A step that bends a thin body stretches it at first, and
 /// may raise the residual by the square of its slenderness. The next steps take that back, where a line search would creep.
-fn solve_from(equations: &mut impl ElasticEquations, forces: f64, x: &mut [f64]) -> Result<Report, Error> {
+fn solve_from(
+    equations: &mut impl ElasticEquations,
+    (forces_at, forces): (&dyn Fn(&[f64]) -> Result<f64, Inversion>, f64),
+    x: &mut [f64],
+    work: &mut Work,
+) -> Result<(), Error> {
     let guess = x.to_vec();
+    let mut attempt = |settings: Settings, x: &mut [f64]| {
+        let solved = nonlinear::solve(equations, x, forces, settings);
+        let report = solved.as_ref().unwrap_or_else(Error::report);
+        work.steps += report.steps.len();
+        work.iterations += report.krylov_iterations;
+        // No step lowers a residual of rounding.
+        let rounding = || forces_at(x).map_or(0.0, |forces| ROUNDING_LEFT * forces).max(rounding_of(equations, x));
+        match solved {
+            Err(error) if residual_norm(equations, x) > rounding() => Err(error),
+            _ => Ok(()),
+        }
+    };
     let searching = Settings {
         relative_tolerance: TOLERANCE,
         round_off: TOLERANCE,
@@ -76,12 +86,18 @@ fn solve_from(equations: &mut impl ElasticEquations, forces: f64, x: &mut [f64])
         divergence: f64::INFINITY,
         ..Default::default()
     };
-    let any_decrease = line_search::Settings { sufficient_decrease: f64::NEG_INFINITY, ..searching.line_search };
-    let full = Settings { line_search: any_decrease, stall: Some(PATIENCE), ..searching };
-    nonlinear::solve(equations, x, forces, full).or_else(|_| {
+    let any_finite = line_search::Settings { sufficient_decrease: -LARGEST_INCREASE, ..searching.line_search };
+    let full = Settings { line_search: any_finite, stall: Some(PATIENCE), ..searching };
+    attempt(full, x).or_else(|_| {
         x.copy_from_slice(&guess);
-        nonlinear::solve(equations, x, forces, searching)
+        attempt(searching, x)
     })
+}
+
+/// |R(x)|, infinite where R is not defined.
+fn residual_norm(equations: &impl ElasticEquations, x: &[f64]) -> f64 {
+    let mut r = vec![0.0; x.len()];
+    equations.residual(x, &mut r).map_or(f64::INFINITY, |()| equations.inner_product().norm(&r))
 }
 
 /// A residual below this is rounding at `x`.

@@ -185,8 +185,8 @@ where
 /// A rank has read another case or mesh file.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "process {rank} has read another {what} than process 0: every process needs the same arguments, and the same files of the case, its tables \
-     and its mesh"
+    "process {rank} has another {what} than process 0: every process needs the same arguments, and the same files of the case, its tables and its \
+     mesh; and processors of different types may round a mesh differently"
 )]
 pub struct OtherCase {
     rank: usize,
@@ -201,9 +201,13 @@ fn require_one_case<const D: usize>(case: &Case<D>, communicator: &dyn Communica
     let mesh = &case.mesh;
     let text = case.about.resolved.bytes().map(f64::from);
     let boundaries = mesh.boundary_facets().iter().flat_map(|facet| [facet.side.cell, facet.side.face, facet.boundary]);
+    let joined = mesh.interior_facets().iter().flat_map(|facet| [facet.minus, facet.plus]);
+    let joined = joined.flat_map(|side| [side.cell, side.face]);
+    let regions = mesh.regions().iter().flat_map(|region| region.cells.iter().copied());
     let names = mesh.boundary_names().iter().flat_map(|name| name.bytes()).map(f64::from);
     let positions = (0..mesh.n_cells()).flat_map(|cell| mesh.cell_coordinates(cell).iter().copied());
-    let mesh = digest(positions.chain(boundaries.map(|number| number as f64)).chain(names));
+    let numbers = boundaries.chain(joined).chain(regions).map(|number| number as f64);
+    let mesh = digest(positions.chain(numbers).chain(names));
     for (what, digest) in [("case", digest(text)), ("mesh", mesh)] {
         if let Some(rank) = first_other(communicator, digest) {
             return Err(Failure::BadInput(OtherCase { rank, what }.into()));

@@ -51,30 +51,35 @@ fn in_two_dimensions_it_takes_three_times_as_many_iterations() {
     assert_same_bits(&at.join("default"), &at.join("blocks"), "the default");
 }
 
-/// The preconditioner lost the soft modes of cells that are much thinner than wide and free at both ends of the short axis: thousands of iterations.
+/// Both preconditioners lost the soft modes of cells that are much thinner than wide and free at both ends of the short axis: thousands of
+/// iterations, and slabs that were rejected.
 #[test]
-fn a_thin_span_takes_few_iterations_with_blocks() {
+fn a_thin_span_takes_few_iterations() {
     let directory = TempDir::new().unwrap();
-    let layer = |ends: &str| {
+    let layer = |(layers, order): (usize, usize), periodic: &str, symmetric: &str, preconditioner: &str| {
         format!(
-            "mesh = {{ order = 2, generate.box = {{ lower = [0, 0, 0], upper = [1, 1, 0.01], cells = [2, 3, 1], periodic = [\"x\"{ends}] }} }}
-             time = {{ order = 2, end = 0.2, step = 0.1 }}
-             solver.preconditioner = \"blocks\"
+            "mesh = {{ order = 2, generate.box = {{ lower = [0, 0, 0], upper = [1, 1, 0.01], cells = [2, 3, {layers}], periodic = [{periodic}] }} }}
+             time = {{ order = 2, end = 0.1, step = 0.1 }}
+             solver.preconditioner = \"{preconditioner}\"
              [flow]
-             order = 4
+             order = {order}
              gas = {{ viscosity = {{ constant = 0.05 }} }}
              exact.couette = {{ height = 1, speed = 0.5, lower_temperature = 1, upper_temperature = 1.1, pressure = 1 }}
              initial.uniform = {{ density = 0.95, velocity = [0.25, 0, 0], pressure = 1 }}
              boundary.bottom.isothermal_wall = {{ temperature = 1 }}
              boundary.top.isothermal_wall = {{ temperature = 1.1, slide = [0.5, 0, 0] }}
-             {}",
-            if ends.is_empty() { "boundary.others = \"symmetry\"" } else { "" }
+             {symmetric}"
         )
     };
-    for (name, ends) in [("symmetric", ""), ("periodic", ", \"z\"")] {
-        on_text(directory.path(), &layer(ends), &[], name, &[]).expect(0, &[]);
+    let symmetric = "boundary.others = \"symmetry\"";
+    for (name, case, most) in [
+        ("periodic", layer((1, 3), "\"x\", \"z\"", "", "blocks"), 10),
+        ("symmetric", layer((2, 4), "\"x\"", symmetric, "blocks"), 20),
+        ("low order", layer((2, 3), "\"x\"", symmetric, "low_order"), 200),
+    ] {
+        on_text(directory.path(), &case, &[], name, &[]).expect(0, &[]);
         let summary = summary(&directory.path().join(name));
         let [krylov, newton] = ["krylov", "newton"].map(|of| summary[of]["total"].as_u64().unwrap());
-        assert!(krylov <= 5 * newton, "{name}: {krylov} iterations in {newton} steps");
+        assert!(krylov <= most * newton, "{name}: {krylov} iterations in {newton} steps");
     }
 }

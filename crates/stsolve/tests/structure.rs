@@ -201,12 +201,12 @@ fn what_does_not_go_with_a_structure_is_refused() {
     stsolve(directory.path(), &["motion", &shipped("cantilever.toml")]).expect(2, &["use `stsolve run`"]);
 }
 
-/// Newton's method stalls in a slab of this flag near t = 0.5, so the slab is halved.
+/// The flag swings far under five times its weight, and Newton's method fails in one of these long slabs.
 #[test]
 fn a_slab_that_cannot_be_solved_is_halved() {
     let directory = TempDir::new().unwrap();
-    let fine = ["mesh.order=6", "mesh.generate.channel_flag.cells.across=2", "time.step=0.02", "time.end=0.54"];
-    let summary = finished(directory.path(), "turek_hron_csm3", &fine);
+    let heavy = ["structure.body_force=[0,-10000]", "time.step=0.1", "time.end=0.6"];
+    let summary = finished(directory.path(), "turek_hron_csm3", &heavy);
     assert!(number(&summary, "rejected_slabs") >= 1.0, "{summary}");
     assert!(number(&summary, "structure.energy_error").abs() < 1e-4, "{summary}");
 }

@@ -9,8 +9,8 @@ use coupled::BoundaryField;
 use navier_stokes::Boundary;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A node with a smaller weight follows a body by rounding alone.
-const SMALL_WEIGHT: f64 = 1e-9;
+/// A node with a smaller weight hardly follows a body: formulas may not fall to zero.
+const SMALL_WEIGHT: f64 = 1e-6;
 
 /// What holds a node, by component: None where it is free.
 type Held<const D: usize> = [Option<f64>; D];
@@ -89,7 +89,7 @@ fn leaves(checker: &Checker<'_>, body: &str, boundary: &str, x: &[f64], axis: us
     let problem = format!(
         "the node at {x:?} on the boundary `{boundary}` would leave its plane, for `{body}` can move along {axis}"
     );
-    let accepted = "a body that moves along the planes of boundaries that share nodes with its walls, or of symmetry where its mesh reaches them";
+    let accepted = "a body that moves along the planes that share nodes with its walls, and along planes of symmetry in the mesh that follows it";
     checker.combination(&super::bodies::key_of(body), &problem, accepted)
 }
 

@@ -18,26 +18,26 @@ pub struct NoValue {
     pub t: f64,
 }
 
+/// The part of the way to the centre of a cell.
+const INWARDS: f64 = 1e-3;
+
 impl<const D: usize> Flow<D> {
-    /// The first formula of a source, a sponge or a boundary condition that has no finite value at one of `times`. Sources are looked at in all
-    /// nodes of the mesh. Nodes have the `displacement` of (cell, node of the cell, position at rest).
+    /// The first formula of a source, a sponge or a boundary condition that has no finite value at one of `times`. Nodes have the `displacement`
+    /// of (cell, node of the cell, position at rest). Sources are looked at beside the nodes, within cells: at all times beside one node of each
+    /// cell, and at every sixteenth time beside the others.
     pub fn without_value(
         &self,
         mesh: &Mesh<D>,
         displacement: impl Fn(usize, usize, &[f64; D]) -> [f64; D],
         times: &[f64],
     ) -> Option<NoValue> {
-        let nodes_of = |cell: usize| {
-            let at_rest = mesh.cell_coordinates(cell).as_chunks::<D>().0.iter().enumerate();
-            let displaced = |(k, rest): (usize, &[f64; D])| {
-                let d = displacement(cell, k, rest);
-                std::array::from_fn(|i| rest[i] + d[i])
-            };
-            at_rest.map(displaced).collect::<Vec<[f64; D]>>()
-        };
+        let few: Vec<f64> = times.iter().copied().step_by(16).collect();
         let of_source = self.source.as_ref().and_then(super::Source::formulas).and_then(|formulas| {
-            let nodes = (0..mesh.n_cells()).flat_map(nodes_of);
-            without_value("flow.source` or `flow.sponge", &|x, t| has_value(formulas, x, t), nodes, times)
+            let look = |count: usize, times: &[f64]| {
+                let nodes = (0..mesh.n_cells()).flat_map(|cell| beside_nodes(mesh, cell, &displacement, count));
+                without_value("flow.source` or `flow.sponge", &|x, t| has_value(formulas, x, t), nodes, times)
+            };
+            look(1, times).or_else(|| look(usize::MAX, &few))
         });
         of_source.or_else(|| self.boundary_without_value(mesh, displacement, times))
     }
@@ -63,6 +63,24 @@ impl<const D: usize> Flow<D> {
             without_value(&format!("flow.boundary.{name}"), &has_value, nodes, times)
         })
     }
+}
+
+/// Points beside the first nodes of a cell, up to `count`, a little towards its centre: at a node itself a formula may have no value, and need none.
+fn beside_nodes<const D: usize>(
+    mesh: &Mesh<D>,
+    cell: usize,
+    displacement: &impl Fn(usize, usize, &[f64; D]) -> [f64; D],
+    count: usize,
+) -> Vec<[f64; D]> {
+    let at_rest = mesh.cell_coordinates(cell).as_chunks::<D>().0;
+    let displaced = |(k, rest): (usize, &[f64; D])| {
+        let d = displacement(cell, k, rest);
+        std::array::from_fn(|i| rest[i] + d[i])
+    };
+    let nodes: Vec<[f64; D]> = at_rest.iter().enumerate().map(displaced).collect();
+    let centre: [f64; D] = std::array::from_fn(|i| nodes.iter().map(|x| x[i]).sum::<f64>() / nodes.len() as f64);
+    let beside = |x: &[f64; D]| std::array::from_fn(|i| x[i] + INWARDS * (centre[i] - x[i]));
+    nodes.iter().take(count).map(beside).collect()
 }
 
 /// The first of the `nodes` where a formula of `of` has no value at one of `times`.

@@ -21,12 +21,27 @@ pub fn panels(shape: Shape) -> Panels {
     Panels { rows: padded(shape.n), columns: (shape.n * shape.parts).div_ceil(2) }
 }
 
-/// Stores the rounded block, `[column][part][row]` with rows padded, and leaves in `block` what rounding has taken.
-pub fn store(shape: Shape, block: &mut [f32], stored: &mut [u32]) {
+/// Stores a block, `[column][part][row]` with rows padded, as a sum of `terms`. Of more than one, it leaves what they lack in `block`.
+pub fn store_in_terms<'a>(shape: Shape, block: &mut [f32], terms: impl Iterator<Item = &'a mut [u32]>) {
+    for (number, term) in terms.enumerate() {
+        if number > 0 {
+            block.iter_mut().for_each(|number| *number = lost(*number));
+        }
+        store(shape, block, term);
+    }
+}
+
+/// What rounding takes.
+fn lost(number: f32) -> f32 {
+    let lost = number - bf16::from_f32(number).to_f32();
+    if lost.is_finite() { lost } else { 0.0 }
+}
+
+/// Rounds a block.
+fn store(shape: Shape, block: &[f32], stored: &mut [u32]) {
     let panels = panels(shape);
     let (zeros, mut bf16_blocks) = (vec![0.0; panels.rows], vec![0; panels.rows]);
-    let block_before = &*block;
-    let column = |number: usize| block_before.get(number * panels.rows..(number + 1) * panels.rows).unwrap_or(&zeros);
+    let column = |number: usize| block.get(number * panels.rows..(number + 1) * panels.rows).unwrap_or(&zeros);
     for j in 0..panels.columns {
         let numbers = if shape.parts == 2 { [2 * j, 2 * j + 1] } else { [j, j + panels.columns] };
         let [low, high] = numbers.map(column);
@@ -35,7 +50,6 @@ pub fn store(shape: Shape, block: &mut [f32], stored: &mut [u32]) {
         }
         panels.put(stored, j, &bf16_blocks);
     }
-    block.iter_mut().for_each(|number| *number -= bf16::from_f32(*number).to_f32());
 }
 
 fn rounded(number: f32) -> u32 {
@@ -135,7 +149,7 @@ mod tests {
             let (j, part) = (number / shape.parts, number % shape.parts);
             (0..shape.n).for_each(|i| column[i] = entry(part, i, j));
         }
-        store(shape, &mut block, &mut stored);
+        store(shape, &block, &mut stored);
         stored
     }
 
@@ -187,7 +201,7 @@ mod tests {
         let shape = Shape { n: 1, parts: 2 };
         let (mut block, mut bf16_blocks) = (vec![0.0; shape.len()], vec![0; panels(shape).len()]);
         (block[0], block[padded(1)]) = (re, im);
-        store(shape, &mut block, &mut bf16_blocks);
+        store(shape, &block, &mut bf16_blocks);
         [bf16_blocks[0] << 16, bf16_blocks[0] & 0xffff_0000].map(f32::from_bits)
     }
 
@@ -196,7 +210,7 @@ mod tests {
         let shape = Shape { n: 1, parts: 2 };
         let (mut block, mut terms) = (vec![0.0; shape.len()], vec![vec![0; panels(shape).len()]; 2]);
         (block[0], block[padded(1)]) = (std::f32::consts::PI, -1e-20);
-        terms.iter_mut().for_each(|term| store(shape, &mut block, term));
+        store_in_terms(shape, &mut block, terms.iter_mut().map(Vec::as_mut_slice));
         let sum = |shift: u32| -> f32 { terms.iter().map(|term| f32::from_bits(term[0] << shift & 0xffff_0000)).sum() };
         for (sum, number) in [(sum(16), std::f32::consts::PI), (sum(0), -1e-20)] {
             assert!((sum / number - 1.0).abs() < 2.0_f32.powi(-16), "{sum} for {number}");

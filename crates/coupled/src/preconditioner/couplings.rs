@@ -53,14 +53,16 @@ impl Couplings {
     pub fn update<T: Stored>(&mut self, jacobian: &SpaceJacobian<T>, terms: usize) {
         let (shape, len) = (self.shape, bf16_blocks::panels(self.shape).len());
         self.terms = terms;
-        self.blocks.resize(len * terms * self.links.len(), 0);
+        if self.blocks.len() != len * terms * self.links.len() {
+            self.blocks = vec![0; len * terms * self.links.len()];
+        }
         parallel::for_each_chunk(&mut self.blocks, len * terms, Grain::Any, &|number, stored| {
             let mut block = vec![0.0; shape.len()];
             let columns = coupling_block(jacobian, self.links[number]).chunks_exact(shape.n);
             for (column, b) in block.chunks_exact_mut(shape.stride()).zip(columns) {
                 column.iter_mut().zip(b).for_each(|(column, &b)| *column = b.into() as f32);
             }
-            stored.chunks_exact_mut(len).for_each(|term| bf16_blocks::store(shape, &mut block, term));
+            bf16_blocks::store_in_terms(shape, &mut block, stored.chunks_exact_mut(len));
         });
     }
 
@@ -85,7 +87,7 @@ impl Couplings {
     pub fn rows(&self) -> usize {
         padded(self.shape.n)
     }
-    /// Numbers of all blocks, with the zeros that pad them.
+    /// Numbers of all terms of all blocks, with the zeros that pad them.
     pub fn numbers(&self) -> usize {
         2 * self.blocks.len()
     }

@@ -128,9 +128,8 @@ impl<T: Stored> Elimination<'_, T> {
             self.note_growth(&row_sums(shape, block, &sizes));
             self.fill(position, mode, shape, block, &mut new);
             let len = bf16_blocks::panels(shape).len();
-            for term in stored.chunks_exact_mut(stored.len() / self.terms) {
-                bf16_blocks::store(shape, block, &mut term[at..at + len]);
-            }
+            let terms = stored.chunks_exact_mut(stored.len() / self.terms);
+            bf16_blocks::store_in_terms(shape, block, terms.map(|term| &mut term[at..at + len]));
             at += len;
         }
         new
@@ -138,9 +137,9 @@ impl<T: Stored> Elimination<'_, T> {
 
     /// (growth)
     fn note_growth(&self, grown: &[f32]) {
-        let growth = grown.iter().zip(self.scales).map(|(grown, scale)| grown / scale).fold(0.0, f32::max);
-        // The bits of positive numbers are in the order of the numbers.
-        self.growth.fetch_max(growth.to_bits(), Atomic::Relaxed);
+        // The bits of positive numbers are in the order of the numbers, and those of NaN above.
+        let bits = grown.iter().zip(self.scales).map(|(grown, scale)| (grown / scale).abs().to_bits());
+        self.growth.fetch_max(bits.max().unwrap_or(0), Atomic::Relaxed);
     }
 
     /// lambda M + dt A_ii of the cell at `position`.

@@ -138,7 +138,7 @@ pub fn find_equilibrium<const D: usize, const M: usize>(
         if changes.are_rest(tolerance) && solved >= lengths.telling {
             return Ok(Equilibrium { report: at_rest(start, report, &mut march.state), slabs, steps, iterations });
         }
-        lengths.adapt(march, &before, (slabs, solved));
+        lengths.adapt(march, &before, (slabs, solved, changes.bodies > tolerance));
     }
     Err(NoEquilibrium::Moves { slabs, flow: changes.flow, bodies: changes.bodies })
 }
@@ -162,14 +162,16 @@ impl Lengths {
         Lengths { first, telling: TELLING * first, set_at: 0, way: Way::default() }
     }
 
-    /// Adds a slab of `march` on top of the displacement `before`, with its number and length. Shortens the next ones if bodies swing.
+    /// Adds a slab of `march` on top of the displacement `before`, with its number, its length, and whether bodies move. Shortens the next ones
+    /// if bodies swing.
     fn adapt<const D: usize, const M: usize>(
         &mut self,
         march: &mut FlowMarch<D, M>,
         before: &[f64],
-        (number, length): (usize, f64),
+        (number, length, moves): (usize, f64, bool),
     ) {
-        if !self.way.swings(before, &march.state.d) || length <= SHORTER * self.first {
+        let swings = self.way.swings(before, &march.state.d, moves);
+        if !swings || length <= SHORTER * self.first {
             return;
         }
         let longest = length / SHORTER;
@@ -194,12 +196,12 @@ struct Way {
 }
 
 impl Way {
-    /// Adds a slab from the displacement `before` to `after`. Whether bodies swing.
-    fn swings(&mut self, before: &[f64], after: &[f64]) -> bool {
+    /// Adds a slab from the displacement `before` to `after`. Whether bodies swing. Those that do not move show rounding alone.
+    fn swings(&mut self, before: &[f64], after: &[f64], moves: bool) -> bool {
         let (count, part) = SWINGS;
         let way: Vec<f64> = before.iter().zip(after).map(|(before, after)| after - before).collect();
         let back = -Euclidean.dot(&self.last, &way[..self.last.len()]);
-        let returns = back > 0.0 && back >= part * Euclidean.dot(&self.last, &self.last);
+        let returns = moves && back > 0.0 && back >= part * Euclidean.dot(&self.last, &self.last);
         (self.last, self.returns) = (way, if returns { self.returns + 1 } else { 0 });
         self.returns >= count
     }

@@ -3,7 +3,7 @@
 use super::orders::{self, Order};
 use super::parts::{self, Own};
 use super::together::{Together, path_of};
-use super::{add_up, advance, agree, begin_averages, march, peak_memories, stored};
+use super::{add_up, advance, agree, begin_averages, march, peak_memories, require_one_case, stored};
 use crate::averages::{AverageSums, add_slab};
 use crate::record::{StepParts, write_state};
 use crate::steady_search::find;
@@ -28,9 +28,14 @@ where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
 {
     let Some(flow) = &case.flow else {
-        // Rank 0 refuses such a case, and says that it has finished.
-        while !matches!(orders::receive(&**communicator), (Order::Finish, _)) {}
-        return;
+        // Rank 0 refuses such a case, or finds that this rank has read another one, and says that it has finished.
+        loop {
+            match orders::receive(&**communicator).0 {
+                Order::Finish => return,
+                Order::Build => drop(require_one_case(case, &**communicator)),
+                _ => {}
+            }
+        }
     };
     let (averages, step_parts) = (AverageSums::default(), None);
     let mut worker = Worker { case, flow: Cow::Borrowed(flow), communicator, averages, step_parts };

@@ -19,19 +19,31 @@ pub fn attempt(
     attempt_with(None, numbers, case, changes, destination)
 }
 
-/// The same with files that are written as `sharing` tells. Every rank has threads of its own: one that waits for a message must not keep another
-/// from its work.
+/// The same with files that are written as `sharing` tells.
 pub fn attempt_with(
+    sharing: Option<FileSharing>,
+    numbers: (usize, usize),
+    case: &str,
+    changes: &[String],
+    destination: (&Path, Existing),
+) -> Result<(), Failure> {
+    attempt_each(sharing, numbers, case, &|_| changes.to_vec(), destination)
+}
+
+/// The same with changes that depend on the rank. Every rank has threads of its own: one that waits for a message must not keep another from its
+/// work.
+pub fn attempt_each(
     sharing: Option<FileSharing>,
     (ranks, threads): (usize, usize),
     case: &str,
-    changes: &[String],
+    changes: &(dyn Fn(usize) -> Vec<String> + Sync),
     (directory, existing): (&Path, Existing),
 ) -> Result<(), Failure> {
     let results = Threads::run_with(sharing, ranks, |communicator| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let case = AnyCase::read(Path::new(&shipped(&format!("{case}.toml"))), changes).unwrap();
+            let (file, changes) = (shipped(&format!("{case}.toml")), changes(communicator.rank()));
+            let case = AnyCase::read(Path::new(&file), &changes).unwrap();
             if communicator.rank() > 0 {
                 simulation::serve(&case, &communicator);
                 return Ok(());

@@ -52,7 +52,9 @@ pub fn no_steady_flow(data: &FailureData) -> Option<Cause> {
         |steps| format!("a longer first step of pseudo-time, for instance `solver.steady.first_step = {steps}`");
     let remedy = match calms_down || is_unsteady {
         // Pseudo-time in short steps follows the sound in a closed domain, which hardly fades.
-        true if data.gas.as_ref().is_some_and(|gas| gas.mach < SLOW) => format!("{march}; or {}", longer(100)),
+        true if !is_unsteady && data.gas.as_ref().is_some_and(|gas| gas.mach < SLOW) => {
+            format!("{march}; or {}", longer(100))
+        }
         true => march.to_owned(),
         false => format!("{}; {length}; or {march}", longer(10)),
     };
