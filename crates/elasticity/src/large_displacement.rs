@@ -38,11 +38,14 @@ pub(crate) struct Work {
     pub(crate) iterations: usize,
 }
 
+/// The size of the forces in the residual at x.
+type ForcesAt<'a> = &'a dyn Fn(&[f64]) -> Result<f64, Inversion>;
+
 /// Finds `x` with a residual that is small against `forces_at(x)`, the size of the forces in it, in the slab from `time`. A guess that nearly
 /// inverts cells has forces far beyond those of the solution, so its scale is only the first one.
 pub(crate) fn solve(
     equations: &mut impl ElasticEquations,
-    forces_at: &dyn Fn(&[f64]) -> Result<f64, Inversion>,
+    forces_at: ForcesAt<'_>,
     time: f64,
     x: &mut [f64],
 ) -> Result<Work, ElasticityError> {
@@ -61,7 +64,7 @@ pub(crate) fn solve(
 /// may raise the residual by the square of its slenderness. The next steps take that back, where a line search would creep.
 fn solve_from(
     equations: &mut impl ElasticEquations,
-    (forces_at, forces): (&dyn Fn(&[f64]) -> Result<f64, Inversion>, f64),
+    (forces_at, forces): (ForcesAt<'_>, f64),
     x: &mut [f64],
     work: &mut Work,
 ) -> Result<(), Error> {
