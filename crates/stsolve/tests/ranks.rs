@@ -9,7 +9,7 @@ use case::AnyCase;
 use common::{assert_same_bits, number, shipped, summary};
 use ranks::{FileSharing, Threads};
 use several_ranks::{assert_same_bits_on, attempt, attempt_each, attempt_with, changes, run};
-use simulation::{Existing, Failure};
+use simulation::{Destination, Existing, Failure};
 use std::collections::BTreeMap;
 use std::path::Path;
 use tempfile::TempDir;
@@ -359,4 +359,27 @@ fn ranks_with_different_cases_are_refused() {
         let Failure::BadInput(error) = failure else { panic!("{other}: {failure:?}") };
         assert!(format!("{error:#}").contains("process 2 has another case than process 0"), "{error:#}");
     }
+}
+
+/// A rank whose case has no flow waited for ever for what the others did.
+#[test]
+fn a_rank_without_a_flow_is_refused() {
+    let directory = TempDir::new().unwrap();
+    let results = Threads::run_with(None, 2, |communicator| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        pool.install(|| {
+            let file = if communicator.rank() == 0 { "vortex.toml" } else { "cantilever.toml" };
+            let set = if communicator.rank() == 0 { changes(&VORTEX) } else { Vec::new() };
+            let case = AnyCase::read(Path::new(&shipped(file)), &set).unwrap();
+            if communicator.rank() > 0 {
+                simulation::serve(&case, &communicator);
+                return Ok(());
+            }
+            let destination = Destination { directory: directory.path().join("run"), existing: Existing::Keep };
+            simulation::run_on(communicator, &case, &destination, &()).map(drop)
+        })
+    });
+    let failure = results.into_iter().next().unwrap().unwrap_err();
+    let Failure::BadInput(error) = failure else { panic!("{failure:?}") };
+    assert!(format!("{error:#}").contains("process 1 has another case than process 0"), "{error:#}");
 }
