@@ -202,65 +202,6 @@ fn bodies_that_cannot_be_are_refused() {
     }
 }
 
-/// A piston that moves along the walls beside it took the nodes that it shares with them out of their planes.
-#[test]
-fn a_body_does_not_take_nodes_of_other_walls_along() {
-    let directory = TempDir::new().unwrap();
-    let case = |freedom: &str| {
-        format!(
-            r#"
-            mesh = {{ order = 2, generate.box = {{ lower = [0, 0, 0], upper = [1, 1, 1], cells = [2, 2, 2] }} }}
-            motion.boundary.others = "slide"
-            time = {{ order = 2, end = 0.1, slabs = 1 }}
-            flow.order = 2
-            flow.initial.uniform = {{ density = 1, velocity = [0, 0, 0], pressure = 1 }}
-            flow.reference = {{ density = 1, speed = 1, pressure = 1 }}
-            flow.boundary.others = "slip_wall"
-            bodies.left = {{ mass = 3, moment_of_inertia = 1, {freedom} }}
-            "#
-        )
-    };
-    for (freedom, refused) in [
-        ("x = {}", None),
-        ("y = {}", Some("would leave its plane, for `left` can move along y")),
-        ("rotation = {}", Some("would leave its plane")),
-        ("rotation = {}, axis = [1, 0, 0]", Some("would leave its plane")),
-    ] {
-        std::fs::write(directory.path().join("case.toml"), case(freedom)).unwrap();
-        let outcome = stsolve(directory.path(), &["check", "case.toml", "--probe", "never"]);
-        outcome.expect(if refused.is_some() { 2 } else { 0 }, &Vec::from_iter(refused));
-    }
-}
-
-/// The mesh that followed a half cylinder by weights bent the plane of symmetry under it.
-#[test]
-fn a_mesh_that_follows_by_weights_stays_in_planes_of_symmetry() {
-    let directory = TempDir::new().unwrap();
-    let case = |freedom: &str, plane: &str| {
-        format!(
-            r#"
-            mesh.order = 4
-            mesh.generate.box = {{ lower = [0, 0], upper = [1, 1], cells = [4, 6], map = ["(1+5*x)*cos(pi*y)", "(1+5*x)*sin(pi*y)"] }}
-            time = {{ order = 2, end = 0.5, slabs = 10 }}
-            flow.order = 3
-            flow.initial.uniform = {{ density = 1, velocity = [0, 0], pressure = 7 }}
-            flow.reference = {{ density = 1, speed = 1, pressure = 7 }}
-            flow.boundary = {{ bottom = {plane}, top = {plane}, others = "slip_wall" }}
-            bodies.left = {{ mass = 1, mesh.between = {{ inner = 1.1, outer = 5.5 }}, {freedom} = {{ rate = 0.3 }} }}
-            "#
-        )
-    };
-    for (freedom, plane, refused) in [
-        ("x", "\"symmetry\"", None),
-        ("y", "\"symmetry\"", Some("would leave its plane, for `left` can move along y")),
-        ("y", "\"slip_wall\"", None),
-    ] {
-        std::fs::write(directory.path().join("case.toml"), case(freedom, plane)).unwrap();
-        let outcome = stsolve(directory.path(), &["check", "case.toml", "--probe", "never"]);
-        outcome.expect(if refused.is_some() { 2 } else { 0 }, &Vec::from_iter(refused));
-    }
-}
-
 /// A cylinder that turns about its axis, and its mesh with it.
 const TURNING: &str = r#"
     mesh = { order = 4, generate.annulus = { inner_radius = 0.5, outer_radius = 8, first_cell = 0.2, cells = [8, 6] } }

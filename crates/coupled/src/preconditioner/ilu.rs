@@ -154,8 +154,8 @@ impl<T: Stored> BlockIlu<T> {
         result
     }
 
-    /// The factors in the memory of `inverses`, and the number of their terms. It follows from the Jacobian alone, as a resumed run has no
-    /// other.
+    /// The factors in the memory of `inverses`, and the number of their terms. It follows from the Jacobian and the `scales` alone:
+    /// a resumed run has nothing else.
     fn factorise(&self, scales: TimeScales, mut inverses: Vec<u32>) -> (Vec<u32>, usize) {
         // Mostly they need as many terms as before.
         let growth = self.factorise_in(self.terms, scales, &mut inverses);
