@@ -4,7 +4,7 @@ use crate::march::{March, SlabSolver};
 use crate::schedule::Schedule;
 use crate::slab_error::SlabError;
 use crate::state::{Interval, Past, State};
-use elasticity::{Dynamics, DynamicsReport, ElasticityError, SlabBottom, SlabMotion, Statics, Structure};
+use elasticity::{Dynamics, DynamicsReport, ElasticityError, SlabBottom, SlabMotion, Stability, Statics, Structure};
 use fem::{Clock, VectorField};
 use std::sync::Arc;
 
@@ -182,6 +182,18 @@ impl<const D: usize> StructureMarch<D> {
     /// The velocity at the time reached, `[C0 node][component]`.
     pub fn velocity(&self) -> &[f64] {
         self.solver.velocity(&self.state)
+    }
+
+    /// The stability of the equilibrium reached, see [`Statics::stability`]; None with inertia.
+    ///
+    /// # Errors
+    /// As [`Statics::stability`].
+    pub fn stability(&self) -> Result<Option<Stability>, ElasticityError> {
+        let _timed = tracing::trace_span!(target: "cost", "elasticity").entered();
+        match &self.solver.equations {
+            Equations::Dynamic(_) => Ok(None),
+            Equations::Static(statics) => statics.stability(&self.state.d),
+        }
     }
 
     /// Kinetic and strain energy at the time reached; without inertia the former is zero.

@@ -56,6 +56,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod buckling;
 mod cauchy;
 mod condensation;
 mod corrections;
@@ -76,6 +77,7 @@ mod multigrid;
 mod nonlinear;
 mod operator;
 mod pool;
+mod ritz;
 mod shifted;
 mod slab;
 mod solid;
@@ -89,6 +91,7 @@ mod substructures;
 mod testing;
 mod wall_distance;
 
+pub use buckling::Stability;
 pub use cauchy::{Stress, principal, von_mises};
 pub use dynamics::{Dynamics, DynamicsReport};
 pub use elastic_mesh::ElasticMesh;

@@ -9,11 +9,11 @@
 //! s) per iteration. The shift s > 0 allows rigid motions. It is that of a compact body at first, and falls with the frequencies that are found
 //! until it is small beside omega_p^2. A block, not a single vector, finds modes of equal frequency.
 
+use crate::ritz::Pencil;
 use crate::shifted::Shifted;
 use crate::{ElasticityError, Structure};
-use faer::{Mat, Side};
 use fem::parallel::{self, Grain};
-use newton_krylov::inner_product::{Euclidean, InnerProduct, reduce};
+use newton_krylov::inner_product::reduce;
 
 /// Vectors of the block beyond the requested modes.
 const GUARD: usize = 8;
@@ -98,25 +98,10 @@ impl Block {
             shifted.solve(structure, &inertia, &mut y, SOLVE_TOLERANCE).map(|_| y)
         };
         let solved = parallel::map(self.x.len(), Grain::Any, &|k| solve(&self.x[k]));
-        let x = solved.into_iter().collect::<Result<Vec<_>, _>>()?;
-        Self::ritz(structure, x)
-    }
-
-    /// The best approximations in the span of `x`: the eigenvectors of X.KX for a basis X with X.MX = I.
-    fn ritz<const D: usize>(structure: &Structure<D>, mut x: Vec<Vec<f64>>) -> Result<Self, ElasticityError> {
-        orthonormalise(structure, &mut x);
-        let stiffness = stiffness_products(structure, &x);
-        let eigen = stiffness.self_adjoint_eigen(Side::Lower).map_err(|cause| ElasticityError::NotDefinite {
-            // The only failure is an entry that is not a number.
-            cause: format!("{cause:?}"),
-        })?;
-        let turned = |j: usize| {
-            let mut y = vec![0.0; x[0].len()];
-            x.iter().enumerate().for_each(|(k, x)| add_scaled(eigen.U()[(k, j)], x, &mut y));
-            y
-        };
-        let omega_squared = (0..x.len()).map(|j| eigen.S().column_vector()[j]).collect();
-        Ok(Block { x: (0..x.len()).map(turned).collect(), omega_squared })
+        let mut x = solved.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let pencil =
+            Pencil { k: &|x, out| structure.apply_stiffness(x, out), m: &|x, out| structure.apply_mass(x, out) };
+        Ok(Block { omega_squared: pencil.ritz(&mut x)?, x })
     }
 
     fn into_modes(self, count: usize) -> Vec<NaturalMode> {
@@ -132,42 +117,9 @@ impl Block {
     }
 }
 
-/// Makes x_i . M x_j = delta_ij by Gram-Schmidt, twice, because the vectors become nearly parallel.
-fn orthonormalise<const D: usize>(structure: &Structure<D>, x: &mut [Vec<f64>]) {
-    let mut inertia = vec![0.0; x[0].len()];
-    for j in 0..x.len() {
-        let (before, rest) = x.split_at_mut(j);
-        let x_j = &mut rest[0];
-        for _ in 0..2 {
-            structure.apply_mass(x_j, &mut inertia);
-            let products: Vec<f64> = before.iter().map(|x_i| Euclidean.dot(x_i, &inertia)).collect();
-            before.iter().zip(products).for_each(|(x_i, product)| add_scaled(-product, x_i, x_j));
-            structure.apply_mass(x_j, &mut inertia);
-            let norm = Euclidean.dot(x_j, &inertia).sqrt();
-            x_j.iter_mut().for_each(|x| *x /= norm);
-        }
-    }
-}
-
-/// x_i . K x_j
-fn stiffness_products<const D: usize>(structure: &Structure<D>, x: &[Vec<f64>]) -> Mat<f64> {
-    let mut forces = vec![0.0; x[0].len()];
-    let mut products = Mat::zeros(x.len(), x.len());
-    for j in 0..x.len() {
-        structure.apply_stiffness(&x[j], &mut forces);
-        (0..x.len()).for_each(|i| products[(i, j)] = Euclidean.dot(&x[i], &forces));
-    }
-    products
-}
-
-/// y := y + c x
-fn add_scaled(c: f64, x: &[f64], y: &mut [f64]) {
-    y.iter_mut().zip(x).for_each(|(y, x)| *y += c * x);
-}
-
 /// Independent vectors that contain every mode: waves of increasing number along every axis, shifted so that no symmetry
 /// excludes a mode.
-fn start<const D: usize>(structure: &Structure<D>, size: usize) -> Vec<Vec<f64>> {
+pub(crate) fn start<const D: usize>(structure: &Structure<D>, size: usize) -> Vec<Vec<f64>> {
     let diameter = structure.mesh().diameter();
     let vector = |number: usize| -> Vec<f64> {
         let wave = |x: &[f64; D], i: usize| {

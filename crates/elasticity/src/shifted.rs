@@ -96,6 +96,11 @@ impl<const D: usize> Shifted<D> {
     }
 }
 
+/// The cost of products and preconditioners within these solves. Iterations open a span of their own, which leaves them out.
+fn timed() -> tracing::span::EnteredSpan {
+    tracing::trace_span!(target: "cost", "elasticity").entered()
+}
+
 /// K + m M at free entries.
 struct Real<'a, const D: usize> {
     structure: &'a Structure<D>,
@@ -105,12 +110,14 @@ struct Real<'a, const D: usize> {
 
 impl<const D: usize> LinearSystem for Real<'_, D> {
     fn multiply(&mut self, x: &[f64], y: &mut [f64]) {
+        let _timed = timed();
         self.shifted.apply_stiffness(self.structure, x, y);
         self.structure.apply_mass_with(&self.shifted.layer, x, &mut self.inertia);
         y.iter_mut().zip(&self.inertia).for_each(|(y, inertia)| *y += self.shifted.m * inertia);
         self.structure.at_fixed(y, |_| 0.0);
     }
     fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
+        let _timed = timed();
         self.shifted.low_order.apply(r, z);
     }
     fn inner_product(&self) -> &dyn InnerProduct {
@@ -129,6 +136,7 @@ struct Rotated<'a, const D: usize> {
 
 impl<const D: usize> LinearSystem for Rotated<'_, D> {
     fn multiply(&mut self, x: &[f64], y: &mut [f64]) {
+        let _timed = timed();
         let (n, m) = (x.len() / 2, self.shifted.m);
         let (forces, inertia) = self.work.split_at_mut(2 * n);
         for part in [0..n, n..2 * n] {
@@ -146,6 +154,7 @@ impl<const D: usize> LinearSystem for Rotated<'_, D> {
         self.structure.at_fixed(im, |_| 0.0);
     }
     fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
+        let _timed = timed();
         let n = r.len() / 2;
         for part in [0..n, n..2 * n] {
             self.shifted.low_order.apply(&r[part.clone()], &mut z[part]);

@@ -45,6 +45,13 @@ impl<const D: usize> Statics<D> {
     pub fn structure(&self) -> &Structure<D> {
         &self.structure
     }
+    pub(crate) fn loads(&self) -> &Loads<D> {
+        &self.loads
+    }
+    /// The preconditioner of K at rest.
+    pub(crate) fn stiffness_at_rest(&self) -> &Shifted<D> {
+        &self.stiffness
+    }
     /// The polynomials of a slab.
     pub fn motion(&self) -> &SlabMotion {
         &self.motion

@@ -13,8 +13,8 @@ use crate::observer::Observer;
 use crate::session::Session;
 use case::{Analysis, Case, Structure};
 use coupled::block::{BodyState, Ledger};
-use coupled::{Observation, SlabError, StructureMarch, StructureReport};
-use elasticity::{ElasticityError, NaturalMode, natural_modes};
+use coupled::{Observation, SlabError, StructureMarch, StructureReport, rounded_time};
+use elasticity::{ElasticityError, NaturalMode, Stability, natural_modes};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 use output::{Checkpoint, Summary};
 use std::sync::Arc;
@@ -35,7 +35,7 @@ pub fn run_structure<const D: usize, const M: usize>(
     let march = build::structure_march(case, structure).map_err(without_march)?;
     let mesh = Arc::new(MeshView::new(&case.mesh, march.structure().numbering()));
     let observed = Observed::new(structure, &march).map_err(Failure::bad_input)?;
-    drive::<D, M, _>(case, StructureRun { case, structure, march, observed }, &mesh, call)
+    drive::<D, M, _>(case, StructureRun { case, structure, march, observed, stability: None }, &mesh, call)
 }
 
 /// The failure of a structure that has no march: an equilibrium at the start that was not found, or a bad input.
@@ -51,11 +51,23 @@ fn without_march(error: ElasticityError) -> Failure {
     Failure::solve(anyhow::Error::new(error).context(words))
 }
 
+/// The warning about an unstable equilibrium.
+fn unstable(stability: &Stability, time: f64) -> Option<String> {
+    let factor = stability.buckling_factor().filter(|_| stability.is_unstable())?;
+    Some(format!(
+        "the equilibrium at t = {} is unstable: the structure buckles at about {factor:.3} of these loads, and the least disturbance moves it away. A small load \
+         across it, or a shape that is not perfect, leads to the equilibrium that is stable",
+        rounded_time(time)
+    ))
+}
+
 struct StructureRun<'a, const D: usize> {
     case: &'a Case<D>,
     structure: &'a Structure<D>,
     march: StructureMarch<D>,
     observed: Observed,
+    /// That of the equilibrium at the end.
+    stability: Option<Stability>,
 }
 
 /// The quantities of the displacement in history.csv.
@@ -157,7 +169,13 @@ impl<const D: usize> Run for StructureRun<'_, D> {
 
     fn summary(&mut self, context: &RunContext, stop: Option<&Stop>) -> Summary {
         let energy = self.march.energies().iter().sum();
+        // It has numbers only, so that there is no error.
+        self.stability = if stop.is_none() { self.march.stability().ok().flatten() } else { None };
         let mut summary = summary::of_structure(self.case, &self.march, energy, &self.observed.modes, context, stop);
+        if let (Some(structure), Some(stability)) = (&mut summary.structure, self.stability) {
+            structure.least_stiffness = Some(stability.stiffness);
+            structure.buckling_factor = stability.buckling_factor();
+        }
         if let Some(record) = context.statistics.bodies.first() {
             let mut body = summary::of_elastic_body(self.structure, &self.as_body(context), record);
             if self.structure.analysis == Analysis::Static {
@@ -174,6 +192,9 @@ impl<const D: usize> Run for StructureRun<'_, D> {
     }
 
     fn judge(&self, context: &RunContext, session: &Session) -> Result<(), Failure> {
+        if let Some(text) = self.stability.as_ref().and_then(|stability| unstable(stability, self.march.state.time)) {
+            context.observer.say(&format!("warning: {text}"));
+        }
         context.say_done(self.march.state.time, session);
         Ok(())
     }

@@ -267,6 +267,8 @@ pub fn of_structure<const D: usize>(
     summary.unknowns.structure = Some(free * case.time.order);
     summary.structure = Some(StructureSummary {
         natural_frequencies: modes.iter().map(NaturalMode::frequency).collect(),
+        least_stiffness: None,
+        buckling_factor: None,
         energy_at_start: balance.energy_at_start,
         energy,
         load_work: balance.load_work,

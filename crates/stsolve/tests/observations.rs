@@ -166,3 +166,48 @@ fn two_columns_of_the_same_name_are_refused() {
         stsolve(directory.path(), arguments).expect(2, &["two columns of history.csv would be named `bottom_force_x`"]);
     }
 }
+
+#[test]
+fn what_cannot_be_observed_is_refused() {
+    let directory = TempDir::new().unwrap();
+    let line = |rest: &str| format!("output.lines.a={{from=[0.1,0.1],to=[0.9,0.8]{rest}}}");
+    let refused = [
+        ("free_stream", line(",points=1"), "2 to 100000 points"),
+        ("free_stream", line(",fields=[\"von_mises\"]"), "a field of the flow"),
+        ("free_stream", line(",fields=[]"), "at least one field"),
+        ("free_stream", "output.probes.a={at=[0.5,0.5],fields=[]}".to_owned(), "at least one field"),
+        ("free_stream", line(",fields=[\"cp\"]"), "pressure_coefficient"),
+        ("free_stream", line(",every=0"), "1 or more"),
+        ("free_stream", "output.lines.a={from=[0,0],to=[0,0]}".to_owned(), "other than the start"),
+        ("free_stream", "output.lines.\"a/b\"={from=[0,0],to=[0,1]}".to_owned(), "letters, digits"),
+        ("free_stream", "output.slices.a={point=[0,0],normal=[0,1]}".to_owned(), "output.lines"),
+        ("free_stream_3d", "output.slices.a={point=[0,0,0],normal=[0,0,0]}".to_owned(), "not zero"),
+        ("free_stream", "output.formulas.a=\"presure\"".to_owned(), "did you mean `pressure`"),
+        ("free_stream", "output.formulas.mach=\"pressure\"".to_owned(), "that no field has"),
+        ("free_stream", "output.formulas.a=\"1/0*density\"".to_owned(), "finite somewhere"),
+        ("cantilever", "output.formulas.a=\"x\"".to_owned(), "without a flow there is nothing to observe"),
+    ];
+    for (case, change, message) in refused {
+        let case = shipped(&format!("{case}.toml"));
+        stsolve(directory.path(), &["check", &case, "--set", &change]).expect(2, &[message]);
+    }
+}
+
+/// Fields of the result file have the values at the nodes of the vortex's initial state.
+#[test]
+fn the_result_holds_fields_by_formulas() {
+    let directory = TempDir::new().unwrap();
+    let set = ["time.end=0.05", "time.slabs=1", "output.formulas={residue=\"entropy - log(pressure/density^1.4)\"}"];
+    on_case(directory.path(), "run", "free_stream", &set, "run", &[]).expect(0, &[]);
+    let info = stsolve(directory.path(), &["info", "run/result.vtkhdf", "--json"]);
+    let fields: serde_json::Value = serde_json::from_str(&info.stdout).unwrap();
+    assert!(fields.to_string().contains("\"residue\""), "{fields}");
+    // Internals are shown to those who ask for them.
+    for (verbose, shown) in [(&["info", "run"][..], false), (&["info", "-v", "run"], true)] {
+        let text = stsolve(directory.path(), verbose).stdout;
+        assert!(text.contains("residue") && text.contains("written by"), "{text}");
+        for part in ["fingerprint", "checkpoint", "reuse.base"] {
+            assert_eq!(text.contains(part), shown, "{part}: {text}");
+        }
+    }
+}

@@ -4,7 +4,8 @@
 
 mod common;
 
-use common::{assert_same_bits, column, finished, number, on_case, on_text, stsolve};
+use common::{Outcome, assert_same_bits, column, finished, number, on_case, on_text, stsolve, summary};
+use std::path::Path;
 use tempfile::TempDir;
 
 /// 23.96 is the accepted deflection in the literature, and the load is proportional to time.
@@ -217,5 +218,48 @@ fn a_linear_law_that_is_bent_too_far_is_told() {
         let run = on_text(directory.path(), &text, &[], "run", &["--force"]);
         run.expect(0, &[]);
         assert_eq!(run.stderr.contains("is for small displacements"), is_told, "{}", run.stderr);
+    }
+}
+
+/// A column of the slenderness 20 under `load` times Euler's load, pi^2 E I / 4 L^2, and a small force across it.
+fn run_of_column(directory: &Path, (load, across): (f64, f64), name: &str) -> Outcome {
+    let euler = std::f64::consts::PI.powi(2) / 48.0 * 0.05_f64.powi(2);
+    let text = format!(
+        "mesh = {{ order = 4, generate.box = {{ lower = [0, 0], upper = [1, 0.05], cells = [12, 1] }} }}
+         time = {{ order = 1, end = 1, slabs = 20 }}
+         [structure]
+         analysis = \"static\"
+         law = \"st_venant_kirchhoff\"
+         young_modulus = 1
+         poisson_ratio = 0
+         boundary = {{ left = \"fixed\", right = {{ traction = [\"-{:e}*t\", \"{:e}*t\"] }}, others = \"free\" }}
+         points = {{ tip = [1, 0.025] }}",
+        load * euler,
+        across * euler
+    );
+    on_text(directory, &text, &[], name, &[])
+}
+
+/// The column stood straight under any load, without a word. Published deflections: Timoshenko & Gere, Theory of Elastic Stability, 2.7.
+#[test]
+fn a_column_that_buckles_is_told() {
+    let directory = TempDir::new().unwrap();
+    let warning = "the equilibrium at t = 1 is unstable: the structure buckles at about";
+    for load in [0.5, 0.95, 1.1, 2.0] {
+        let outcome = run_of_column(directory.path(), (load, 0.0), "straight");
+        assert_eq!((outcome.code, outcome.stderr.contains(warning)), (0, load > 1.0), "{load}: {}", outcome.stderr);
+        let factor = number(&summary(&directory.path().join("straight")), "structure.buckling_factor");
+        println!("{load}: {factor}");
+        assert!((factor * load - 1.0).abs() < 5e-3, "{load}: {factor}");
+        std::fs::remove_dir_all(directory.path().join("straight")).unwrap();
+    }
+    // A force across the column leads to the bent equilibrium, which is stable.
+    for (load, deflection) in [(1.063, 0.422), (1.293, 0.719)] {
+        let name = format!("bent {load}");
+        let outcome = run_of_column(directory.path(), (load, 1e-3), &name);
+        assert_eq!((outcome.code, outcome.stderr.contains(warning)), (0, false), "{load}: {}", outcome.stderr);
+        let tip = *column(&directory.path().join(&name), "tip_y").last().unwrap();
+        println!("{load}: {tip}");
+        assert!((tip / deflection - 1.0).abs() < 1e-2, "{load}: {tip}");
     }
 }

@@ -241,6 +241,7 @@ fn slice<const D: usize>(
 /// The fields of a point, line or plane: those of the flow and of its mesh.
 fn fields(checker: &Checker<'_>, key: &Key, fields: &[Field]) -> Checked<Vec<Field>> {
     let key = key.child("fields");
+    checker.require(&key, "the list", !fields.is_empty(), "at least one field, or no key for the usual ones")?;
     for (index, field) in checker.distinct(&key, "field", fields)?.iter().enumerate() {
         let is_of_flow = !field.is_of_structure();
         checker.require(&key.entry(index), "the field of a structure", is_of_flow, "a field of the flow")?;

@@ -9,6 +9,12 @@ use std::collections::BTreeMap;
 pub struct StructureSummary {
     /// Natural frequencies, periods per unit of time, in increasing order.
     pub natural_frequencies: Vec<f64>,
+    /// The least stiffness under the loads at the end of a static analysis, relative to that without loads.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least_stiffness: Option<f64>,
+    /// The multiple of the loads at which the structure buckles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub buckling_factor: Option<f64>,
     /// Kinetic and strain energy at the start.
     pub energy_at_start: f64,
     /// Kinetic and strain energy at the end.

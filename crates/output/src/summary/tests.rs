@@ -73,6 +73,8 @@ fn steady() -> Steady {
 fn structure() -> StructureSummary {
     StructureSummary {
         natural_frequencies: vec![0.5, 1.5],
+        least_stiffness: Some(-0.25),
+        buckling_factor: Some(0.8),
         energy_at_start: 1.0,
         energy: 1.25,
         load_work: 0.5,
