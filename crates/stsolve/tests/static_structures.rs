@@ -1,6 +1,6 @@
 //! Structures in equilibrium with their loads: static analyses, and bodies on which nothing acts.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod common;
 
