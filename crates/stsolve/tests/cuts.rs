@@ -5,7 +5,7 @@ mod common;
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use common::{column, finished, number, on_case, shipped, stsolve};
+use common::{column, finished, number, shipped, stsolve};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
