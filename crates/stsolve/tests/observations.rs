@@ -168,7 +168,7 @@ fn two_columns_of_the_same_name_are_refused() {
 }
 
 #[test]
-fn what_cannot_be_observed_is_refused() {
+fn what_cannot_be_cut_is_refused() {
     let directory = TempDir::new().unwrap();
     let line = |rest: &str| format!("output.lines.a={{from=[0.1,0.1],to=[0.9,0.8]{rest}}}");
     let refused = [
