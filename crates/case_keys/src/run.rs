@@ -33,8 +33,9 @@ pub struct Time {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Adaptive {
-    /// The target of the jump: its L2 norm over the domain, every component in units of `flow.reference`, divided by the power D/2 of the length
-    /// from which scales of time follow there. The jumps of the velocities of bodies and structures count with their masses, in units of the
+    /// The target of the jump: its L2 norm over the domain, every component in units of its scale, divided by the power D/2 of the length
+    /// from which scales of time follow. With `flow.reference` the scales are rho U / c of the density, rho U of the momentum and rho c U / (gamma - 1)
+    /// of the energy. The jumps of the velocities of bodies and structures count with their masses, in units of the
     /// reference density and speed.
     pub tolerance: f64,
     /// The shortest slab, which is accepted with any jump. Default: a thousandth of the step.

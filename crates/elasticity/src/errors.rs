@@ -128,7 +128,9 @@ pub enum ElasticityError {
         value: f64,
     },
     /// There are fewer natural modes than requested.
-    #[error("{wanted} natural modes are wanted, but the structure has only {free}: ask for fewer, or refine the mesh")]
+    #[error(
+        "`structure.natural_modes` = {wanted}, but the structure has only {free}: ask for fewer, or refine the mesh"
+    )]
     TooManyModes {
         /// The number of modes requested.
         wanted: usize,

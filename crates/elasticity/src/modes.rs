@@ -56,10 +56,8 @@ pub fn natural_modes<const D: usize>(
     structure: &Structure<D>,
     count: usize,
 ) -> Result<Vec<NaturalMode>, ElasticityError> {
+    structure.require_modes(count)?;
     let free = structure.fixed().iter().filter(|fixed| !**fixed).count();
-    if count > free {
-        return Err(ElasticityError::TooManyModes { wanted: count, free });
-    }
     let size = (count + GUARD).min(free);
     let mut s = structure.typical_shift();
     let mut shifted = structure.shifted(s, Vec::new(), &[])?;

@@ -161,10 +161,8 @@ impl<const D: usize> Structure<D> {
 
     /// The preconditioner of K at rest. Without stress only a rigid motion takes no energy.
     fn stiffness_at_rest(&self) -> Result<Shifted<D>, ElasticityError> {
-        self.shifted(0.0, Vec::new(), &[]).map_err(|error| match error {
-            ElasticityError::NotDefinite { .. } => ElasticityError::RigidMotion,
-            error => error,
-        })
+        self.require_held()?;
+        self.shifted(0.0, Vec::new(), &[])
     }
 
     /// The same as `equilibrium` with the preconditioner of K and the `scales` of forces, at time `t`.

@@ -1,7 +1,9 @@
 //! What is doubtful about the rigid bodies of a case, known before a run.
 
 use super::bodies::{beside_flow, in_space, is_of_body, middle_and_area, mode, rate, wall_facets};
-use case::{Case, Flow, Freedom, RigidBody, SteadyBodies, Structure, StructureLaw};
+use super::build::{StructureAtStart, structure_at_start};
+use super::error::Failure;
+use case::{Analysis, Case, Flow, Freedom, RigidBody, SteadyBodies, Structure, StructureLaw};
 use coupled::block::BodyState;
 use coupled::blocks::rigid_body::{Freedom as Direction, Vec3};
 use coupled::rounded_time;
@@ -74,6 +76,24 @@ pub fn beyond_linear<const D: usize>(case: &Case<D>, state: &coupled::State) -> 
             rounded_time(state.time)
         )
     })
+}
+
+/// Checks what only the mesh tells of the structure of a case, if it has one: enough supports for an equilibrium, enough natural modes, and
+/// loads with a value at the start.
+///
+/// # Errors
+/// What a run would refuse at its start.
+pub fn check_structure<const D: usize>(case: &Case<D>) -> Result<(), Failure> {
+    let Some(structure) = &case.structure else { return Ok(()) };
+    let check = || {
+        let StructureAtStart { body, loads, .. } = structure_at_start(case, structure)?;
+        if structure.analysis == Analysis::Static {
+            body.require_held()?;
+        }
+        body.require_modes(structure.natural_modes)?;
+        body.load(&loads, case.time.start, &mut vec![0.0; body.length()])
+    };
+    check().map_err(Failure::bad_input)
 }
 
 /// A warning if the case asks for the equilibrium of a structure or body that nothing holds.

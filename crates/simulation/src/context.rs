@@ -73,7 +73,7 @@ impl<'a> RunContext<'a> {
             return;
         }
         if let Some(text) = warning() {
-            self.observer.say(&format!("warning: {text}"));
+            tracing::warn!("{text}");
             self.has_warned_of_linear_law = true;
         }
     }

@@ -8,6 +8,7 @@ mod slabs;
 
 pub(super) use run::Run;
 
+use super::averages;
 use super::context::RunContext;
 use super::crew::Orders;
 use super::flow_run::run_flow;
@@ -184,11 +185,12 @@ fn prepare<'a, const D: usize, const M: usize, R: Run>(
     let has_begun = resumed.is_some() && !run.awaits_start(&statistics);
     cut_files(session, &mut recorder, run, has_begun)?;
     let context = RunContext::new(case, run.state().time, session, call.begun, statistics);
-    if resumed.is_some() {
-        warn_of_end(case, run.state().time, call.observer);
+    if let Some(resumed) = &resumed {
+        warn_of_end(case, run.state().time);
+        averages::are_late(case, &resumed.state.arrays, run.state()).iter().for_each(|text| tracing::warn!("{text}"));
     }
-    warn_of_averages(case, call.observer);
-    warn_of_frame(case, call.observer);
+    warn_of_averages(case);
+    warn_of_frame(case);
     let goes_on = has_begun && !run.is_done() && (run.state().slab > 0 || case.solver.steady.is_some());
     if goes_on || call.origin.is_some() {
         continue_surfaces(run, &mut recorder, session, call.origin.as_ref())?;

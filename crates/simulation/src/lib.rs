@@ -188,7 +188,7 @@ mod walls;
 /// More threads than any machine has cores. Thousands take minutes to start.
 pub const MOST_THREADS: u16 = 1024;
 
-pub use body_checks::{speed_of_bodies_at_start, unheld_in_equilibrium, wall_that_bulges};
+pub use body_checks::{check_structure, speed_of_bodies_at_start, unheld_in_equilibrium, wall_that_bulges};
 pub use build::{PrescribedNode, march, march_with_motion, mover, structure_march};
 pub use cell_finder::CellFinder;
 pub use controls::check as check_controls;
@@ -196,6 +196,7 @@ pub use crew::{agree, serve};
 pub use destination::{Destination, Existing};
 pub use drive::{motion, run, run_on};
 pub use error::Failure;
+pub use failure::Mismatch;
 pub use frame_checks::jump_of_centrifugal_force;
 pub use history::require_distinct_columns;
 pub use memory_estimate::{MemoryEstimate, PROGRAM_BYTES, require_memory, typical_iterations};

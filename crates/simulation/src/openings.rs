@@ -2,7 +2,7 @@
 //!
 //! Measured at the start and at the end of every slab, at points of the facets of inflows and outflows.
 
-use super::failure::{Grid, Then};
+use super::failure::{Grid, Mismatch, Then, mismatch_at};
 use case::{Case, Flow};
 use mesh::{BoundaryFacet, Mesh, NodeNumbering, face_nodes, outward_area};
 use navier_stokes::{Boundary, ExactState, Primitive};
@@ -110,16 +110,41 @@ pub fn measure<const D: usize, const M: usize>(
 /// The observations for the initial state of `flow`, on the mesh at rest. If the run starts from a steady flow, that state is a guess,
 /// and only whether it is supersonic counts.
 pub fn at_start<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Vec<Record> {
+    let mut records = Vec::new();
+    let mut seen = with_start::<D, M, _>(case, flow, |grid, then| measure(flow, &case.mesh, grid, then));
+    seen.retain(|seen| case.solver.steady.is_none() || seen.misuse == Misuse::Supersonic);
+    enter(&mut records, &seen, case.time.start);
+    records
+}
+
+/// Subsonic inflows and outflows at which the flow starts with a jump: a pressure or a temperature of twice the other one, a velocity of a Mach
+/// number of one.
+pub fn jumps_at_start<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Vec<Mismatch> {
+    let is_subsonic = |boundary: &usize| {
+        let condition = &flow.boundary[*boundary].condition;
+        is_opening(condition) && !matches!(condition, Boundary::SupersonicInflow(_))
+    };
+    let is_jump = |found: &Mismatch| {
+        let least = if found.quantity.contains("velocity") { 1.0 } else { std::f64::consts::LN_2 };
+        found.size > least
+    };
+    let openings = (0..flow.boundary.len()).filter(is_subsonic);
+    with_start::<D, M, _>(case, flow, |grid, then| {
+        openings.filter_map(|boundary| mismatch_at(flow, &case.mesh, (grid, then), boundary)).filter(is_jump).collect()
+    })
+}
+
+/// What `of` tells of the initial state of `flow`, on the mesh at rest.
+fn with_start<const D: usize, const M: usize, R>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    of: impl FnOnce(&Grid<D>, &Then<D, M>) -> R,
+) -> R {
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
     let grid = Grid::new(&case.mesh, &numbering, flow.order);
     let (still, time) = (vec![0.0; grid.field_len()], case.time.start);
     let state = |_: usize, x: &[[f64; D]]| -> Vec<[f64; M]> { x.iter().map(|x| flow.initial.state(x, time)).collect() };
-    let then = Then::<D, M> { time, displacement: &still, velocity: &still, state: &state };
-    let mut records = Vec::new();
-    let mut seen = measure(flow, &case.mesh, &grid, &then);
-    seen.retain(|seen| case.solver.steady.is_none() || seen.misuse == Misuse::Supersonic);
-    enter(&mut records, &seen, time);
-    records
+    of(&grid, &Then { time, displacement: &still, velocity: &still, state: &state })
 }
 
 /// The area of a boundary, and of the parts with each misuse.

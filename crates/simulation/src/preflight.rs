@@ -2,6 +2,7 @@
 
 use super::build::{self, PrescribedNode};
 use super::error::Failure;
+use super::failure::Mismatch;
 use super::openings::{self, Record};
 use super::probe::{self, MeshOverRun, ProbeError, Timing};
 use super::restart;
@@ -20,6 +21,9 @@ pub trait Preflight<const D: usize> {
 
     /// The inflows and outflows whose conditions do not suit the initial state.
     fn openings_at_start(&self, flow: &Flow<D>) -> Vec<Record>;
+
+    /// The inflows and outflows at which the flow starts with a jump.
+    fn jumps_at_openings(&self, flow: &Flow<D>) -> Vec<Mismatch>;
 
     /// Times the parts of the first slab.
     ///
@@ -48,6 +52,9 @@ macro_rules! with_components {
             }
             fn openings_at_start(&self, flow: &Flow<$d>) -> Vec<Record> {
                 openings::at_start::<$d, $m>(self, flow)
+            }
+            fn jumps_at_openings(&self, flow: &Flow<$d>) -> Vec<Mismatch> {
+                openings::jumps_at_start::<$d, $m>(self, flow)
             }
             fn time_flow(&self, flow: &Flow<$d>) -> Result<Timing, ProbeError> {
                 probe::time_flow::<$d, $m>(self, flow)

@@ -10,6 +10,7 @@ mod supports;
 
 pub use error::RestartError;
 
+use super::averages;
 use super::statistics::RunStatistics;
 use super::{bodies, checkpoint, fallback, motion_jump, surfaces};
 use crate::crew::OfCells;
@@ -24,7 +25,7 @@ use fem::{Layout, Orders};
 use loaded::Loaded;
 use mesh::NodeNumbering;
 use navier_stokes::Conserved;
-use other_mesh::{forget_cells, late_averages};
+use other_mesh::forget_cells;
 use output::{Arrays, Checkpoint, RESULT_FILE, ResultReader, Series};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -132,6 +133,7 @@ impl Origin {
         let has_other_points = from.flow != to.flow || from.mesh != to.mesh || self.has_other_quadrature(case)?;
         let (added_walls, late) = self.added_walls(case, state.time, is_other_mesh, has_other_points);
         warnings.extend(late);
+        warnings.extend(averages::are_late(case, &sums, &state));
         if pressure_changes {
             self.shift_pressure::<D, M>(flow, from.flow, &mut state)?;
         }
@@ -165,7 +167,7 @@ impl Origin {
         has_other_points: bool,
     ) -> (Vec<String>, Option<String>) {
         if is_other_mesh {
-            return (surfaces::listed(case), late_averages(case, time));
+            return (surfaces::listed(case), None);
         }
         if has_other_points {
             return (surfaces::listed(case), surfaces::begun_anew(case, time));

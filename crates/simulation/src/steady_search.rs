@@ -79,7 +79,7 @@ where
         if self.steady.bodies != SteadyBodies::Equilibrium {
             return Ok(Found { flow: found, equilibrium: None });
         }
-        unheld_in_equilibrium(self.case).iter().for_each(|text| self.observer.say(&format!("warning: {text}")));
+        unheld_in_equilibrium(self.case).iter().for_each(|text| tracing::warn!("{text}"));
         let equilibrium = self.release_bodies()?;
         Ok(Found { flow: found, equilibrium: Some(equilibrium) })
     }

@@ -193,7 +193,7 @@ impl<const D: usize> Run for StructureRun<'_, D> {
 
     fn judge(&self, context: &RunContext, session: &Session) -> Result<(), Failure> {
         if let Some(text) = self.stability.as_ref().and_then(|stability| unstable(stability, self.march.state.time)) {
-            context.observer.say(&format!("warning: {text}"));
+            tracing::warn!("{text}");
         }
         context.say_done(self.march.state.time, session);
         Ok(())

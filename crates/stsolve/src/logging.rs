@@ -10,9 +10,11 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use tracing::level_filters::LevelFilter;
+use tracing::{Event, Level, Subscriber};
 use tracing_subscriber::filter::filter_fn;
-use tracing_subscriber::fmt::layer;
+use tracing_subscriber::fmt::{FmtContext, FormatEvent, FormatFields, format, layer};
 use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::registry::LookupSpan;
 use tracing_subscriber::util::SubscriberInitExt;
 use tracing_subscriber::{Layer, Registry};
 
@@ -28,7 +30,7 @@ pub fn start(
     clock: &CostClock,
 ) -> io::Result<()> {
     let writer = terminal.clone();
-    let human = layer().without_time().with_target(false).with_ansi(terminal.is_interactive());
+    let human = layer().event_format(ForReaders).with_ansi(terminal.is_interactive());
     let human = human.with_writer(move || writer.clone()).with_filter(level(verbosity));
     let file = LogFile::new(directory, LOG_FILE, append);
     let clock = clock.clone().with_filter(filter_fn(CostClock::counts));
@@ -48,6 +50,31 @@ pub fn start_of_rank(directory: &Path, rank: usize, append: bool) -> io::Result<
 /// Writes records as lines of JSON into `file`. The modules that they come from say nothing to a reader.
 fn machine(file: LogFile) -> impl Layer<Registry> {
     layer().json().with_target(false).with_writer(Mutex::new(file)).with_filter(LevelFilter::DEBUG)
+}
+
+/// Writes a record as a line for readers: "warning: " before a warning, and its fields after the message.
+struct ForReaders;
+
+impl<S, N> FormatEvent<S, N> for ForReaders
+where
+    S: Subscriber + for<'a> LookupSpan<'a>,
+    N: for<'a> FormatFields<'a> + 'static,
+{
+    fn format_event(
+        &self,
+        context: &FmtContext<'_, S, N>,
+        mut writer: format::Writer<'_>,
+        event: &Event<'_>,
+    ) -> std::fmt::Result {
+        let level = event.metadata().level();
+        match *level {
+            Level::WARN => write!(writer, "warning: ")?,
+            Level::INFO => {}
+            _ => write!(writer, "{}: ", level.as_str().to_lowercase())?,
+        }
+        context.format_fields(writer.by_ref(), event)?;
+        writeln!(writer)
+    }
 }
 
 /// The name of the log of a rank other than the first one.

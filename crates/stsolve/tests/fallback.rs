@@ -8,10 +8,10 @@ use case::AnyCase;
 use common::{assert_conserves, assert_same_bits, column, number, shipped, stsolve, summary};
 use ranks::Threads;
 use serde_json::Value;
-use simulation::{Destination, Existing, Failure, Observer, SlabDone};
+use simulation::{Destination, Existing, Failure, Observer, SlabDone, WarningSink};
 use std::path::Path;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use tempfile::TempDir;
 
 /// A shear layer on 64 cells with the default quadrature: a slab fails at t = 1.5. Parts of it could be solved.
@@ -34,12 +34,12 @@ const LAYER_IN_PARTS: [&str; 3] = ["mesh.generate.box.cells=[6,6]", "flow.order=
 struct Watch {
     stop_after: f64,
     is_due: AtomicBool,
-    messages: Mutex<String>,
+    messages: Arc<Mutex<String>>,
 }
 
 impl Watch {
     fn new(stop_after: f64) -> Self {
-        Watch { stop_after, is_due: AtomicBool::new(false), messages: Mutex::default() }
+        Watch { stop_after, is_due: AtomicBool::new(false), messages: Arc::default() }
     }
 }
 
@@ -47,8 +47,9 @@ impl Observer for Watch {
     fn slab(&self, slab: &SlabDone) {
         self.is_due.fetch_or(slab.time > self.stop_after, Ordering::Relaxed);
     }
-    fn say(&self, message: &str) {
-        *self.messages.lock().unwrap() += message;
+    fn warnings(&self) -> Option<WarningSink> {
+        let messages = self.messages.clone();
+        Some(Box::new(move |message| *messages.lock().unwrap() += message))
     }
     fn is_stop_requested(&self) -> bool {
         self.is_due.load(Ordering::Relaxed)
@@ -70,8 +71,8 @@ fn a_run_goes_back_and_on_in_a_split_form_and_says_so() {
     let (directory, watch) = (TempDir::new().unwrap(), Watch::new(f64::INFINITY));
     let at = directory.path();
     run(at, &[], Existing::Keep, &watch).unwrap();
-    let messages = watch.messages.into_inner().unwrap();
-    for part in ["warning: slab ", "does not resolve the flow", "goes on from t = 1.5 in a split form"] {
+    let messages = watch.messages.lock().unwrap().clone();
+    for part in ["slab ", "does not resolve the flow", "goes on from t = 1.5 in a split form"] {
         assert!(messages.contains(part), "{messages}");
     }
     let page = std::fs::read_to_string(report::write(at).unwrap().path).unwrap();
@@ -89,7 +90,7 @@ fn a_run_that_has_tried_parts_of_a_slab_forgets_them_but_for_their_cost() {
     let (directory, watch) = (TempDir::new().unwrap(), Watch::new(f64::INFINITY));
     let at = directory.path();
     run(at, &LAYER_IN_PARTS, Existing::Keep, &watch).unwrap();
-    let messages = watch.messages.into_inner().unwrap();
+    let messages = watch.messages.lock().unwrap().clone();
     assert!(messages.contains("goes on from t = 2.7 in a split form"), "{messages}");
     let times = column(at, "t");
     assert!(times.windows(2).all(|pair| (pair[1] - pair[0] - 0.05).abs() < 1e-9), "the parts of the slab are gone");
@@ -113,7 +114,7 @@ fn too_few_newton_steps_are_named() {
     let few = ["solver.newton_steps=2", "solver.slab_halvings=0", "time.end=0.05"];
     // Whether two steps are enough in the split form does not matter.
     drop(run(directory.path(), &few, Existing::Keep, &watch));
-    let messages = watch.messages.into_inner().unwrap();
+    let messages = watch.messages.lock().unwrap().clone();
     assert!(messages.contains("too few Newton steps are allowed"), "{messages}");
     assert!(
         messages.contains("raise `solver.newton_steps`, now 2") && !messages.contains("does not resolve"),

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Outcome, assert_same_bits, column, finished, number, on_case, on_text, stsolve, summary};
+use common::{Outcome, assert_same_bits, column, finished, number, on_case, on_text, shipped, stsolve, summary};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -122,6 +122,16 @@ fn what_a_static_analysis_does_not_take_is_refused() {
         ("structure.boundary.left=\"free\"", &["can move as a rigid body", "give a support"]),
     ] {
         on_case(directory.path(), "run", "cooks_membrane", &[set], "run", &[]).expect(2, parts);
+    }
+    // `check` said that all was well.
+    for (set, part) in [
+        ("structure.boundary.left=\"free\"", "can move as a rigid body"),
+        ("structure.boundary.left={held=[\"y\"]}", "can move as a rigid body"),
+        ("structure.natural_modes=100000", "`structure.natural_modes` = 100000, but the structure has only"),
+        ("structure.body_force=[0,\"log(x-20)\"]", "check the formulas of its loads"),
+    ] {
+        let case = shipped("cooks_membrane.toml");
+        stsolve(directory.path(), &["check", &case, "--set", "structure.density=1", "--set", set]).expect(2, &[part]);
     }
     let extruded = ["mesh.extrude={depth=1,layers=1}", "structure.points={}", "structure.boundary.right=\"free\""];
     on_case(directory.path(), "run", "cooks_membrane", &extruded, "run", &[])

@@ -72,7 +72,10 @@ pub(super) fn check(
     let key = Key::new("controls").child(name);
     has_integral(checker, &key.child("measure"), &raw.measure, integrals)?;
     let initial = checker.number(&key.child("initial"), &raw.initial)?;
-    let rate = Rate::Formula(checker.formula_of_control(&key.child("rate"), &raw.rate)?);
+    let rate = checker.formula_of_control(&key.child("rate"), &raw.rate)?;
+    let accepted = "a formula that is finite somewhere; a part of this one never is, such as 1/0";
+    checker.require_of_formula(&key.child("rate"), "the rate", !rate.is_finite_nowhere(), accepted)?;
+    let rate = Rate::Formula(rate);
     let (name, measure, value) = (name.to_owned(), raw.measure.clone(), ControlValue::new(initial));
     Ok(Control { name, measure, initial, value, rate, is_used: false })
 }

@@ -2,10 +2,22 @@
 
 use super::Structure;
 use crate::ElasticityError;
-use crate::geometry::{StiffnessSampler, node_spacing};
+use crate::geometry::{StiffnessSampler, node_spacing, rigid_motions};
 use crate::low_order::{Inertia, LowOrderInverse, LowOrderTerms};
 use crate::shifted::Shifted;
 use basis::gauss_lobatto;
+use faer::{Mat, Side};
+use newton_krylov::inner_product::largest;
+use std::array::from_fn;
+use tensor::norm;
+
+/// Supports that let a rigid motion go with this part of the product of the one that they hold most let it go: rounding.
+const HELD: f64 = 1e-12;
+
+/// All pairs of numbers below `count`.
+fn pairs(count: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..count).flat_map(move |k| (0..count).map(move |l| (k, l)))
+}
 
 impl<const D: usize> Structure<D> {
     /// The system K(d) + m M at free entries with its low-order matrix. `position` is d; empty means at rest. `layer` is an additional mass
@@ -46,6 +58,41 @@ impl<const D: usize> Structure<D> {
         };
         let (numbering, fixed) = (&self.numbering, &self.fixed);
         LowOrderInverse::new(&LowOrderTerms { lame: base, inertia, numbering, samples, fixed }, None)
+    }
+
+    /// Whether its supports leave no rigid motion: the products of rigid motions at fixed entries are a definite matrix.
+    ///
+    /// # Errors
+    /// [`ElasticityError::RigidMotion`] if not.
+    pub fn require_held(&self) -> Result<(), ElasticityError> {
+        let held: Vec<(&[f64; D], &[bool; D])> =
+            self.coordinates.iter().zip(&self.fixed).filter(|(_, fixed)| fixed.contains(&true)).collect();
+        let centre: [f64; D] = from_fn(|i| held.iter().map(|(x, _)| x[i]).sum::<f64>() / held.len() as f64);
+        let arm = |x: &[f64; D]| -> [f64; D] { from_fn(|i| x[i] - centre[i]) };
+        let size = largest(held.iter().map(|(x, _)| norm(&arm(x))));
+        let count = rigid_motions(&centre).count();
+        let mut products = Mat::<f64>::zeros(count, count);
+        for (x, fixed) in held {
+            let scaled = if size > 0.0 { arm(x).map(|arm| arm / size) } else { [0.0; D] };
+            let motions: Vec<[f64; D]> = rigid_motions(&scaled).collect();
+            for (i, (k, l)) in (0..D).filter(|i| fixed[*i]).flat_map(|i| pairs(count).map(move |pair| (i, pair))) {
+                products[(k, l)] += motions[k][i] * motions[l][i];
+            }
+        }
+        let values = products.self_adjoint_eigenvalues(Side::Lower).unwrap_or_default();
+        match values[..] {
+            [least, .., most] if least > HELD * most => Ok(()),
+            _ => Err(ElasticityError::RigidMotion),
+        }
+    }
+
+    /// Whether it has `count` natural modes.
+    ///
+    /// # Errors
+    /// [`ElasticityError::TooManyModes`] if not.
+    pub fn require_modes(&self, count: usize) -> Result<(), ElasticityError> {
+        let free = self.fixed().iter().filter(|fixed| !**fixed).count();
+        if count <= free { Ok(()) } else { Err(ElasticityError::TooManyModes { wanted: count, free }) }
     }
 
     /// The lumped integral of n n^T over the boundary facets with `wet` nodes only, by C0 node.

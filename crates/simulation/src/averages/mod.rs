@@ -38,11 +38,27 @@ use fem::{Layout, Sampler};
 use intervals::{Part, parts};
 use moments::AveragedQuantity;
 use navier_stokes::{Gas, Primitive};
+use output::Arrays;
 use rayon::prelude::*;
 use std::array::from_fn;
 
 /// Names of the files of averages.
 pub const FILES: [&str; 3] = [phase_file::PHASE_FILE, along::TABLE, along::VIEWER_FILE];
+
+/// A warning if averages should have begun before the `state`, and nothing was averaged so far: the `sums` of the run have none.
+pub fn are_late<const D: usize>(case: &Case<D>, sums: &Arrays, state: &coupled::State) -> Option<String> {
+    let is_late = |averages: &&Averages| {
+        averages.from < state.time - 1e-9 * case.time.step && averages.to.is_none_or(|to| to > state.time)
+    };
+    let averages = case.averages.as_ref().filter(is_late)?;
+    let is_missing = state.slab > 0 && !sums.keys().any(|name| is_of_averages(name));
+    is_missing.then(|| {
+        let (from, time) = (averages.from, coupled::rounded_time(state.time));
+        format!(
+            "the averages begin at t = {time}, and not at {from} (`output.averages.from`): the earlier run has none that this one could continue"
+        )
+    })
+}
 
 /// Adds the last slab of `march` to the `sums` over the cells of this rank, if `case` asks for averages.
 pub fn add_slab<const D: usize, const M: usize>(

@@ -5,7 +5,6 @@ use crate::context::{RunContext, Stop};
 use crate::cuts::Reached;
 use crate::error::Failure;
 use crate::frame_checks::jump_of_centrifugal_force;
-use crate::observer::Observer;
 use crate::occupied::{self, Beginning};
 use crate::record::{MeshView, Recorder, Snapshot, StructureSnapshot};
 use crate::restart::Start;
@@ -62,26 +61,27 @@ fn reached(run: &impl Run) -> Reached {
 }
 
 /// Warns if a resumed run is at a `time` after its end.
-pub(super) fn warn_of_end<const D: usize>(case: &Case<D>, time: f64, observer: &dyn Observer) {
+pub(super) fn warn_of_end<const D: usize>(case: &Case<D>, time: f64) {
     if time > case.time.end + 1e-9 * case.time.step {
         let (time, end) = (rounded_time(time), case.time.end);
-        observer.say(&format!("warning: the checkpoint is at t = {time}, after the end {end}: nothing is left to do"));
+        tracing::warn!("the checkpoint is at t = {time}, after the end {end}: nothing is left to do");
     }
 }
 
 /// Says that the averages of `case` begin after its end, if they do.
-pub(super) fn warn_of_averages<const D: usize>(case: &Case<D>, observer: &dyn Observer) {
+pub(super) fn warn_of_averages<const D: usize>(case: &Case<D>) {
     if let Some(averages) = case.averages.as_ref().filter(|averages| averages.begin_after(&case.time)) {
-        observer.say(&format!(
-            "warning: the run has no averages: they begin at t = {}, and its end is {} (`output.averages.from`)",
-            averages.from, case.time.end
-        ));
+        tracing::warn!(
+            "the run has no averages: they begin at t = {}, and its end is {} (`output.averages.from`)",
+            averages.from,
+            case.time.end
+        );
     }
 }
 
 /// Warns if the forces of a rotating frame are not periodic where the mesh is.
-pub(super) fn warn_of_frame<const D: usize>(case: &Case<D>, observer: &dyn Observer) {
-    jump_of_centrifugal_force(case).iter().for_each(|text| observer.say(&format!("warning: {text}")));
+pub(super) fn warn_of_frame<const D: usize>(case: &Case<D>) {
+    jump_of_centrifugal_force(case).iter().for_each(|text| tracing::warn!("{text}"));
 }
 
 /// Begins a new run, also one that starts from the result of another. Returns why it stopped early, if it did.

@@ -43,7 +43,6 @@ pub(super) fn fall_back<const D: usize, const M: usize>(
     let told = format!(
         "{cause}; {reason}, so the run goes on from t = {time} in a split form, with the nodes as points of quadrature (`solver.fallback`)"
     );
-    session.observer.say(&format!("warning: {told}"));
-    tracing::info!("{told}");
+    tracing::warn!("{told}");
     Ok(Stop::Failed(error, Some(Box::new(finding))))
 }

@@ -79,6 +79,19 @@ pub fn measure<const D: usize, const M: usize>(
     Measured { moment: Moment { lowest: lowest(&cells), steepest, mismatch }, cells, kick }
 }
 
+/// The largest disagreement of the gas with the condition on `boundary`; None if that has no facets.
+pub fn mismatch_at<const D: usize, const M: usize>(
+    flow: &Flow<D>,
+    mesh: &mesh::Mesh<D>,
+    (grid, then): (&Grid<D>, &Then<D, M>),
+    boundary: usize,
+) -> Option<Mismatch> {
+    let beside = Beside { flow, names: mesh.boundary_names(), grid, then };
+    let facets = mesh.boundary_facets().iter().filter(|facet| facet.boundary == boundary);
+    let all = facets.flat_map(|facet| beside.facet(facet)).map(|(found, _)| found);
+    all.reduce(|most, found| if found.size > most.size { found } else { most })
+}
+
 fn of_cell<const D: usize>(gas: &Gas, cell: usize, states: &[Primitive<f64, D>]) -> CellGas {
     let both = |state: &Primitive<f64, D>| [state.density, state.pressure];
     let low = |i: usize| states.iter().map(|state| both(state)[i]).fold(f64::INFINITY, f64::min);

@@ -24,8 +24,9 @@ mod of_structure;
 mod picture;
 
 pub use bundle::{FailureReport, clear, tell};
+pub use data::Mismatch;
 pub use finding::Finding;
-pub use gas::Then;
+pub use gas::{Then, mismatch_at};
 pub use grid::Grid;
 pub use of_flow::{Failed, by_point};
 pub use of_mesh::{examine as examine_mesh, examine_inverted};

@@ -80,7 +80,7 @@ where
         if !surfaces::write_means(directory, D, &means, interval)? {
             let (first, last) = (series.times.first(), series.times.last());
             tracing::warn!(
-                "the wall `{}` has no means: its distributions, from t = {} to {}, are all outside the time of `output.averages`; a smaller \
+                "the wall `{}` has no means: the time of its distributions, from t = {} to {}, and that of `output.averages` do not overlap; a smaller \
                  `output.surfaces.every`",
                 wall.name,
                 first.copied().map(rounded_time).unwrap_or_default(),

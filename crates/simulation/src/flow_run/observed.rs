@@ -149,7 +149,7 @@ where
         let seen = openings::measure(&self.flow, &mover.reference, &grid, &then);
         for record in openings::enter(&mut context.statistics.openings, &seen, state.time) {
             let name = &self.case.mesh.boundary_names()[record.now.boundary];
-            context.observer.say(&format!("warning: {}; {}", record.told(name), record.now.misuse.remedy(name)));
+            tracing::warn!("{}; {}", record.told(name), record.now.misuse.remedy(name));
         }
     }
 }

@@ -28,7 +28,7 @@ where
         context.statistics.start_from_steady(&found, &loads);
         let SteadyFlow { report, reliability, .. } = found;
         if let Some(warning) = warning(&reliability) {
-            context.observer.say(&format!("warning: {warning}"));
+            tracing::warn!("{warning}");
         }
         context.statistics.totals_at_start = report.totals.clone();
         self.observe(context);

@@ -125,13 +125,6 @@ pub(super) fn forget_cells(sums: &mut Arrays) {
     }
 }
 
-/// A warning if averages that had begun before the `time` begin anew.
-pub(super) fn late_averages<const D: usize>(case: &Case<D>, time: f64) -> Option<String> {
-    let averages = case.averages.as_ref().filter(|averages| averages.from < time)?;
-    let (from, time) = (averages.from, coupled::rounded_time(time));
-    Some(format!("the averages begin anew on another mesh, at t = {time} and not at {from} (`output.averages.from`)"))
-}
-
 /// Replaces `values`, `[place][component]`, that are no gas by the means of the cells of their `places`. Returns their number.
 fn keep_admissible<const D: usize, const M: usize>(
     case: &Case<D>,

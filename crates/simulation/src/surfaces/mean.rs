@@ -70,7 +70,7 @@ pub struct MeansOf<'a> {
 }
 
 /// Writes `surface_NAME_mean.csv` and `surface_NAME_separation.csv` of a wall over the times in `interval`. Returns whether the
-/// interval meets the time between the first and the last distribution: otherwise there is no mean.
+/// interval and the time from the first to the last distribution overlap: otherwise there is no mean.
 ///
 /// # Errors
 /// A file that cannot be written.

@@ -209,6 +209,16 @@ fn a_restart_continues_averages_of_the_same_kind() {
         1e-11,
         "others",
     );
+    // A run without averages: those of this one began late, without a word.
+    on_text(directory.path(), FALLING, &["time.end=0.5", "time.slabs=2"], "none", &[]).expect(0, &[]);
+    let late = on_text(directory.path(), FALLING, &["restart.from=none", averages], "late", &[]);
+    late.expect(0, &["the averages begin at t = 0.5, and not at 0.1"]);
+    assert_all(
+        &last(&directory.path().join("late"), "mean_velocity")[..9],
+        0.1 + 0.3 * power(1, [0.5, 1.0]),
+        1e-11,
+        "late",
+    );
 }
 
 /// Distributions along walls have the means of a run that was not interrupted, after a restart too.

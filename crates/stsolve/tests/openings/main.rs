@@ -13,7 +13,7 @@ mod reservoirs;
 mod supersonic;
 mod vortices;
 
-use common::{checkpoint, on_text, summary};
+use common::{checkpoint, on_text, stsolve, summary};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -39,4 +39,43 @@ fn gas_at_end(run: &Path) -> Vec<[f64; 3]> {
 /// The largest difference of the pressure from the pressure of the outlet, relative to it.
 fn pressure_off(run: &Path) -> f64 {
     gas_at_end(run).iter().map(|[_, _, p]| (p / 7.936507936507937 - 1.0).abs()).fold(0.0, f64::max)
+}
+
+/// Conditions in other units than the initial state, of which only the failure of the run told.
+#[test]
+fn check_tells_of_openings_that_start_with_a_jump() {
+    let directory = TempDir::new().unwrap();
+    let text = r#"
+        mesh = { order = 2, generate.box = { lower = [0, 0], upper = [2, 1], cells = [2, 1] } }
+        time = { order = 1, end = 1, slabs = 10 }
+        [flow]
+        order = 2
+        initial.uniform = { density = 1, velocity = [0.3, 0], pressure = 1 }
+        [flow.boundary]
+        left = { inflow = { total_pressure = 1.07, total_temperature = 1.02, direction = [1, 0] } }
+        right = { outflow = { pressure = 1 } }
+        others = "slip_wall"
+    "#;
+    std::fs::write(directory.path().join("case.toml"), text).unwrap();
+    let checked = |set: &str| stsolve(directory.path(), &["check", "case.toml", "--set", set]).stdout;
+    for (set, told) in [
+        ("flow.boundary.right.outflow.pressure=0.9", None),
+        (
+            "flow.boundary.right.outflow.pressure=0.1",
+            Some("at `right`: the state that the condition sets there has a pressure of 1.0000e-1"),
+        ),
+        ("flow.boundary.right.outflow.pressure=100", Some("at `right`")),
+        ("flow.boundary.left.inflow.total_pressure=10", Some("at `left`")),
+        ("flow.boundary.left.inflow.total_temperature=300", Some("at `left`")),
+        (
+            "flow.boundary.left={velocity_inflow={velocity=[30,0],temperature=1}}",
+            Some("at `left`: the state that the condition sets there has a velocity along x of 3.0000e1"),
+        ),
+    ] {
+        let said = checked(set);
+        match told {
+            Some(part) => assert!(said.contains("the flow starts with a jump") && said.contains(part), "{set}: {said}"),
+            None => assert!(!said.contains("jump"), "{set}: {said}"),
+        }
+    }
 }

@@ -94,7 +94,7 @@ fn what_has_points_of_the_mesh_begins_anew_on_another_one() {
     let go = |text: &str, end: &'static str, output: &str, extra: &[&str]| {
         on_text(at, text, &[&start[..], &[end]].concat(), output, extra)
     };
-    let told = ["the averages begin anew on another mesh, at t = 0.2 and not at 0.05"];
+    let told = ["the averages begin at t = 0.2, and not at 0.05"];
     go(&fine, "time.end=0.4", "through", &[]).expect(0, &told);
     go(&fine, "time.end=0.3", "resumed", &[]).expect(0, &told);
     go(&fine, "time.end=0.4", "resumed", &["--resume"]).expect(0, &[]);

@@ -115,8 +115,7 @@ pub fn boundary_condition(data: &FailureData) -> Option<Cause> {
         name: "boundary_condition",
         likelihood: 0.05 + likelihood,
         what: format!(
-            "the condition on boundary `{boundary}` does not fit the state beside it: it asks for a {quantity} of {}, the gas \
-             has {}",
+            "the condition on boundary `{boundary}` does not fit the gas beside it: the state that it sets has a {quantity} of {}, the gas {}",
             number(target_state),
             number(inside)
         ),

@@ -32,7 +32,7 @@ use case::{AnyCase, Case, Flow};
 use elasticity::Plan;
 use scales::MotionScales;
 use serde_json::{Map, Value};
-use simulation::{Failure, MemoryEstimate, OpeningRecord, Preflight, PrescribedNode, check_controls};
+use simulation::{Failure, MemoryEstimate, Mismatch, OpeningRecord, Preflight, PrescribedNode, check_controls};
 use walls::{FlatPlate, Walls};
 use warnings::{Warning, warnings};
 
@@ -124,6 +124,7 @@ where
         check_controls(case)?;
     }
     simulation::require_distinct_columns(case)?;
+    simulation::check_structure(case)?;
     let facts = Facts::new(case);
     let mut tables = tables::known(&facts);
     let mut warnings = warnings(&facts);
@@ -147,7 +148,15 @@ where
         let name = &case.mesh.boundary_names()[record.now.boundary];
         Warning { subject: "opening", text: format!("{}: {}", record.told(name), record.now.misuse.remedy(name)) }
     };
-    case.openings_at_start(flow).iter().map(warning).collect()
+    let jump = |Mismatch { boundary, quantity, inside, target_state, .. }: &Mismatch| {
+        let text = format!(
+            "the flow starts with a jump at `{boundary}`: the state that the condition sets there has a {quantity} of {target_state:.4e}, the gas \
+             {inside:.4e}: compare `flow.boundary.{boundary}` with `flow.initial`, also their units"
+        );
+        Warning { subject: "opening", text }
+    };
+    let jumps = if case.restart.is_some() { Vec::new() } else { case.jumps_at_openings(flow) };
+    case.openings_at_start(flow).iter().map(warning).chain(jumps.iter().map(jump)).collect()
 }
 
 /// Moves the mesh over the run, if requested, and warns if it is not proved valid.
