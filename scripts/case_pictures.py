@@ -44,6 +44,7 @@ DRAWN = {
     "flapping_wing_3d": ("mach", {"window": VORTICES, "q_level": 0.3}),
     "flexible_plate_3d": ("mach", {"window": "z=0.3"}),
     "flutter_airfoil": ("pressure", {"window": "-0.75,-0.75,1.75,0.75"}),
+    "heated_cavity": ("temperature", {}),
     "kelvin_helmholtz": ("density", {}),
     "manufactured": ("density", {}),
     "naca0012_heave": ("vorticity", {"window": "-0.75,-0.25,3.25,1.75", "range": "-20,20"}),

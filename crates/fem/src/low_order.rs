@@ -218,10 +218,12 @@ impl<const D: usize, const M: usize> LowOrder<'_, D, M> {
             let own = self.penalty(cell, face, i);
             let (plus, penalty) = match opposite {
                 Opposite::Boundary(boundary) => (self.prescribed(boundary, map.position(point)), own),
-                Opposite::Cell { cell, face, permutation, own_side } => {
+                Opposite::Cell { cell: other, face, permutation, own_side } => {
                     let j = opposite_node(permutation, own_side, i);
-                    let number = cell * nodes + tables.face_nodes(face)[j];
-                    (self.state(number), own.max(self.penalty(cell, face, j)))
+                    let number = other * nodes + tables.face_nodes(face)[j];
+                    // Without its coupling, the viscous flux of a cell that is its own neighbour would hold the state in a thin cell.
+                    let penalty = if other == cell { 0.0 } else { own.max(self.penalty(other, face, j)) };
+                    (self.state(number), penalty)
                 }
             };
             pairs.push::<D, M>([self.state(cell * nodes + node), plus], area, map.velocity(point), penalty);

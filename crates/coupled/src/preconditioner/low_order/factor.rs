@@ -1,23 +1,40 @@
 //! The diagonal blocks of (node ilu).
+//!
+//! D_i is a small difference of large blocks where cells are much thinner than viscous layers, and free at both ends: a thin span. What
+//! rounding takes from an earlier D_j^-1 then is as large as D_i if
+//!
+//! ```text
+//! g = max_i sum_kl |D^-1_ik| |F_kl|,    F_i = sum_(j before i) dt^2 A_ij D_j^(-1) A_ji                              (node growth)
+//! ```
+//!
+//! is large. There D^-1 is stored as the sum of two numbers in bfloat16 instead of one.
 
 use super::matrix::{BEYOND, NodeBlocks};
 use super::stencil::Step;
-use super::sweeps::{add_column, load};
+use super::sweeps::{add_column, load, load_terms};
 use super::vectors::columns;
 use super::walk::Walk;
+use crate::preconditioner::modal::largest;
 use basis::TemporalModes;
 use faer::c64;
 use half::bf16;
 use sparse::dependency_schedule;
 use std::ops::Range;
+use std::sync::atomic::AtomicU32;
+use std::sync::atomic::Ordering::Relaxed;
 use std::sync::{PoisonError, RwLock, RwLockReadGuard};
 use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
 
+/// If (node growth) is larger, D^-1 is stored in two terms: the rounding of one is 0.004.
+const LARGE_GROWTH: f64 = 100.0;
+
 /// D_i^-1 of all modes.
 pub(super) struct Factor {
-    /// Of every cell, `[node][mode][part][column][row]`: the real part, and of a complex mode the imaginary part.
+    /// Of every cell, `[node][mode][part][term][column][row]`: the real part, and of a complex mode the imaginary part.
     inverses: Vec<RwLock<Vec<bf16>>>,
+    /// How many numbers each entry is the sum of.
+    pub(super) terms: usize,
     /// The columns of each mode.
     pub(super) columns: Vec<Range<usize>>,
     /// lambda of each mode, damped.
@@ -30,7 +47,7 @@ impl Factor {
     /// Without blocks.
     pub(super) fn empty(cells: usize, modes: &TemporalModes) -> Self {
         let inverses = (0..cells).map(|_| RwLock::new(Vec::new())).collect();
-        Factor { inverses, columns: columns(modes), shifts: Vec::new(), ratio: 1.0 }
+        Factor { inverses, terms: 1, columns: columns(modes), shifts: Vec::new(), ratio: 1.0 }
     }
 
     /// The blocks of a cell.
@@ -41,7 +58,7 @@ impl Factor {
     /// Those of a node among the blocks of its cell.
     #[inline(always)]
     pub(super) fn of_node<'a, const M: usize>(&self, inverses: &'a [bf16], node: usize) -> &'a [bf16] {
-        &inverses[node * self.parts() * M * M..]
+        &inverses[node * self.parts() * self.terms * M * M..]
     }
 
     /// Blocks of a node, which are as many as columns.
@@ -49,7 +66,8 @@ impl Factor {
         self.columns.last().map_or(0, |columns| columns.end)
     }
 
-    /// Factors the modes for slabs `ratio` times as long as that of the blocks.
+    /// Factors the modes for slabs `ratio` times as long as that of the blocks. The number of terms follows from the blocks and the `shifts`
+    /// alone: a resumed run has nothing else. A collective call.
     pub(super) fn compute<const D: usize, const M: usize, const W: usize>(
         &mut self,
         matrix: &NodeBlocks<D, M>,
@@ -58,6 +76,23 @@ impl Factor {
         shifts: Vec<c64>,
     ) {
         (self.ratio, self.shifts) = (ratio, shifts);
+        // Mostly it needs as many terms as before.
+        let growth = self.compute_in_terms::<D, M, W>(matrix, walk);
+        let terms = if growth <= LARGE_GROWTH { 1 } else { 2 };
+        tracing::debug!(growth, terms, "blocks of the preconditioner of low order");
+        if terms != self.terms {
+            self.terms = terms;
+            self.compute_in_terms::<D, M, W>(matrix, walk);
+        }
+    }
+
+    /// The same in as many terms as it has. Returns (node growth) on all ranks.
+    fn compute_in_terms<const D: usize, const M: usize, const W: usize>(
+        &self,
+        matrix: &NodeBlocks<D, M>,
+        walk: &Walk,
+    ) -> f64 {
+        let growth = AtomicU32::new(0);
         let (cells, ordering) = (matrix.layout.cells, &walk.ordering);
         let earlier = |cell: usize| {
             let others = (0..2 * D).filter_map(move |face| matrix.cell_in_block(cell, face));
@@ -67,18 +102,22 @@ impl Factor {
         dependency_schedule(cells, ordering.widest_level(), needs, |k| {
             let cell = ordering.cells[k];
             let mut inverses = self.inverses[cell].write().unwrap_or_else(PoisonError::into_inner);
-            inverses.resize(matrix.layout.nodes * self.parts() * M * M + BEYOND, bf16::ZERO);
-            Arch::new().dispatch(EliminateCell::<D, M, W> {
+            inverses.clear();
+            inverses.resize(matrix.layout.nodes * self.parts() * self.terms * M * M + BEYOND, bf16::ZERO);
+            let of_cell = Arch::new().dispatch(EliminateCell::<D, M, W> {
                 factor: self,
                 matrix,
                 walk,
                 cell,
                 inverses: &mut inverses,
             });
+            // Numbers that are not negative are in the order of their bits.
+            growth.fetch_max(of_cell.to_bits(), Relaxed);
         });
+        largest(&matrix.share, &[f64::from(f32::from_bits(growth.into_inner()))])
     }
 
-    /// D_i^-1 of one node; those of earlier nodes are there.
+    /// D_i^-1 of one node; those of earlier nodes are there. Returns its part of (node growth).
     #[inline(always)]
     fn eliminate<const D: usize, const M: usize, const W: usize>(
         &self,
@@ -86,15 +125,18 @@ impl Factor {
         walk: &Walk,
         (cell, node): (usize, usize),
         inverses: &mut [bf16],
-    ) {
+    ) -> f32 {
         let fill = self.fill::<D, M, W>(matrix, walk, (cell, node), inverses);
-        let mut rest = &mut inverses[node * self.parts() * M * M..];
+        let (mut rest, mut most) = (&mut inverses[node * self.parts() * self.terms * M * M..], 0.0_f32);
         for (shift, columns) in self.shifts.iter().zip(&self.columns) {
-            let d = self.diagonal::<M, W>(matrix.diagonal(cell, node), *shift, &fill[columns.clone()]);
-            let (stored, others) = rest.split_at_mut(columns.len() * M * M);
-            store(inverse(d).as_flattened(), stored);
+            let fill = &fill[columns.clone()];
+            let d = inverse(self.diagonal::<M, W>(matrix.diagonal(cell, node), *shift, fill));
+            most = most.max((self.ratio * self.ratio) as f32 * growth(&d, fill));
+            let (stored, others) = rest.split_at_mut(columns.len() * self.terms * M * M);
+            store(d.as_flattened(), self.terms, stored);
             rest = others;
         }
+        most
     }
 
     /// sum_(j before i) A_ij D_j^-1 A_ji, `[part][column][row]`.
@@ -112,14 +154,19 @@ impl Factor {
             match *step {
                 Step::Inside(j) if walk.is_earlier_inside(cell, face) => {
                     let back = matrix.coupling(cell, j as usize, face ^ 1);
-                    add_fill::<M, W>(coupling, self.of_node::<M>(inverses, j as usize), back, &mut sums);
+                    add_fill::<M, W>(coupling, (self.of_node::<M>(inverses, j as usize), self.terms), back, &mut sums);
                 }
                 Step::Across(i) => {
                     let earlier = matrix.cell_in_block(cell, face).filter(|other| walk.is_before(*other, cell));
                     if let Some(other) = earlier {
                         let j = matrix.across(cell, face)[i as usize] as usize % nodes;
                         let back = matrix.coupling(other, j, matrix.face_across(cell, face));
-                        add_fill::<M, W>(coupling, self.of_node::<M>(&self.read(other), j), back, &mut sums);
+                        add_fill::<M, W>(
+                            coupling,
+                            (self.of_node::<M>(&self.read(other), j), self.terms),
+                            back,
+                            &mut sums,
+                        );
                     }
                 }
                 Step::Inside(_) => {}
@@ -161,36 +208,60 @@ struct EliminateCell<'a, const D: usize, const M: usize, const W: usize> {
 }
 
 impl<const D: usize, const M: usize, const W: usize> WithSimd for EliminateCell<'_, D, M, W> {
-    type Output = ();
+    /// Its part of (node growth).
+    type Output = f32;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, _: S) -> f32 {
+        let mut most = 0.0_f32;
         for &node in self.walk.nodes(self.cell) {
             let place = (self.cell, node as usize);
-            self.factor.eliminate::<D, M, W>(self.matrix, self.walk, place, self.inverses);
+            most = most.max(self.factor.eliminate::<D, M, W>(self.matrix, self.walk, place, self.inverses));
         }
+        most
     }
 }
 
 /// Stores the real part of a block and, where there is room for it, the imaginary part.
 #[inline(always)]
-fn store(block: &[c64], stored: &mut [bf16]) {
-    let (re, im) = stored.split_at_mut(block.len());
-    re.iter_mut().zip(block).for_each(|(stored, entry)| *stored = bf16::from_f64(entry.re));
-    im.iter_mut().zip(block).for_each(|(stored, entry)| *stored = bf16::from_f64(entry.im));
+fn store(block: &[c64], terms: usize, stored: &mut [bf16]) {
+    let len = block.len();
+    for (number, entry) in block.iter().enumerate() {
+        let mut parts = [entry.re, entry.im];
+        for (at, stored) in stored[number..].iter_mut().step_by(len).enumerate() {
+            let part = &mut parts[at / terms];
+            *stored = bf16::from_f64(*part);
+            *part -= f64::from(stored.to_f32());
+        }
+    }
+}
+
+/// The largest row of |D^-1| |F|.
+#[inline(always)]
+fn growth<const M: usize, const W: usize>(inverse: &[[c64; M]; M], fill: &[[[f32; W]; M]]) -> f32 {
+    // |F| times ones.
+    let mut sums = [0.0_f32; M];
+    for column in fill.iter().flatten() {
+        (0..M).for_each(|i| sums[i] += column[i].abs());
+    }
+    let mut rows = [0.0_f32; M];
+    for (column, sum) in inverse.iter().zip(sums) {
+        (0..M).for_each(|i| rows[i] += (column[i].re.abs() + column[i].im.abs()) as f32 * sum);
+    }
+    rows.into_iter().fold(0.0, f32::max)
 }
 
 /// sums += A_ij D_j^-1 A_ji for every part of D_j^-1.
 #[inline(always)]
 fn add_fill<const M: usize, const W: usize>(
     coupling: &[bf16],
-    inverse: &[bf16],
+    (inverse, terms): (&[bf16], usize),
     back: &[bf16],
     sums: &mut [[[f32; W]; M]],
 ) {
     let (coupling, back) = (load::<M, W>(coupling), load::<M, W>(back));
     for (part, sums) in sums.iter_mut().enumerate() {
-        let inverse = load::<M, W>(&inverse[part * M * M..]);
+        let inverse = load_terms::<M, W>(inverse, terms, part);
         for (back, sum) in back.iter().zip(sums) {
             let mut solved = [0.0; W];
             add_column(&inverse, &back[..M], &mut solved);

@@ -160,6 +160,19 @@ pub(super) fn load<const M: usize, const W: usize>(stored: &[bf16]) -> Block<M, 
     block
 }
 
+/// Block number `part` of some that are sums of `terms` stored ones.
+#[inline(always)]
+pub(super) fn load_terms<const M: usize, const W: usize>(stored: &[bf16], terms: usize, part: usize) -> Block<M, W> {
+    let mut block = load::<M, W>(&stored[part * terms * M * M..]);
+    for term in 1..terms {
+        let lacking = load::<M, W>(&stored[(part * terms + term) * M * M..]);
+        for (column, lacking) in block.iter_mut().zip(&lacking) {
+            (0..W).for_each(|i| column[i] += lacking[i]);
+        }
+    }
+    block
+}
+
 /// The same of a block in single precision.
 #[inline(always)]
 fn load_single<const M: usize, const W: usize>(stored: &[f32]) -> Block<M, W> {
@@ -196,19 +209,19 @@ fn add_product<const M: usize, const W: usize, const C: usize>(
 /// y += D_i^-1 x for all modes. Two columns are those of one complex mode.
 #[inline(always)]
 fn add_inverse<const M: usize, const W: usize, const C: usize>(
-    inverse: &[bf16],
+    (inverse, terms): (&[bf16], usize),
     modes: &[Range<usize>],
     x: &Rows<W, C>,
     y: &mut Rows<W, C>,
 ) {
     if C == 2 {
-        return add_complex_inverse::<M, W, C>(inverse, 0, x, y);
+        return add_complex_inverse::<M, W, C>((inverse, terms), 0, x, y);
     }
     for columns in modes {
         let c = columns.start;
         match columns.len() {
-            1 => add_column(&load::<M, W>(&inverse[c * M * M..]), &x[c][..M], &mut y[c]),
-            _ => add_complex_inverse::<M, W, C>(inverse, c, x, y),
+            1 => add_column(&load_terms::<M, W>(inverse, terms, c), &x[c][..M], &mut y[c]),
+            _ => add_complex_inverse::<M, W, C>((inverse, terms), c, x, y),
         }
     }
 }
@@ -216,12 +229,12 @@ fn add_inverse<const M: usize, const W: usize, const C: usize>(
 /// The same for the complex mode of column c and the next one.
 #[inline(always)]
 fn add_complex_inverse<const M: usize, const W: usize, const C: usize>(
-    inverse: &[bf16],
+    (inverse, terms): (&[bf16], usize),
     c: usize,
     x: &Rows<W, C>,
     y: &mut Rows<W, C>,
 ) {
-    let (re, im) = (load::<M, W>(&inverse[c * M * M..]), load::<M, W>(&inverse[(c + 1) * M * M..]));
+    let [re, im] = [c, c + 1].map(|part| load_terms::<M, W>(inverse, terms, part));
     let mut turned = [[0.0; W]; 2];
     for k in 0..2 {
         add_column(&re, &x[c + k][..M], &mut y[c + k]);
@@ -269,7 +282,8 @@ impl<const D: usize, const M: usize, const W: usize, const C: usize> WithSimd fo
                 }
             }
             let mut images: Rows<W, C> = [[0.0; W]; C];
-            add_inverse::<M, W, C>(factor.of_node::<M>(&inverses, node), &factor.columns, &rows, &mut images);
+            let inverse = (factor.of_node::<M>(&inverses, node), factor.terms);
+            add_inverse::<M, W, C>(inverse, &factor.columns, &rows, &mut images);
             for column in 0..columns {
                 let z = &mut z[column * column_len + node * M..][..M];
                 for i in 0..M {
