@@ -9,6 +9,7 @@ mod common;
 
 mod boundaries;
 mod closed_domains;
+mod convection;
 mod equilibrium;
 mod search;
 mod stability;
