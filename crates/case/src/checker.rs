@@ -54,11 +54,22 @@ impl<'a> Checker<'a> {
         let mut checker =
             Checker { document, names, controls: Vec::new(), used_controls: RefCell::default(), defaults, damage };
         let (mut errors, table) = (Errors::default(), Key::new("constants"));
-        // In the order of the text, so that a constant may use those above it.
-        let mut ordered: Vec<_> = constants.iter().map(|(name, formula)| (table.child(name), name, formula)).collect();
-        ordered.sort_by_key(|(key, ..)| document.position(key));
-        for (key, name, formula) in ordered {
-            if errors.note(checker.define_constant(&key, name, formula)).is_none() {
+        let mut waiting: Vec<_> = constants.keys().map(|name| (table.child(name), name.as_str())).collect();
+        // In the order of the text, but a constant waits for those that it uses.
+        waiting.sort_by_key(|(key, _)| document.position(key));
+        let uses = |name: &str| -> BTreeSet<&str> {
+            let Some(Formula::Text(text)) = constants.get(name) else { return BTreeSet::new() };
+            let words = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+            words.filter(|word| *word != name && constants.contains_key(*word)).collect()
+        };
+        let uses: BTreeMap<&str, BTreeSet<&str>> = constants.keys().map(|name| (name.as_str(), uses(name))).collect();
+        let mut done = BTreeSet::new();
+        while !waiting.is_empty() {
+            let ready = waiting.iter().position(|(_, name)| uses[name].is_subset(&done));
+            // Constants that wait for each other have an error, which the first one tells.
+            let (key, name) = waiting.remove(ready.unwrap_or(0));
+            done.insert(name);
+            if errors.note(checker.define_constant(&key, name, &constants[name])).is_none() {
                 checker.damage.add(key);
             }
         }

@@ -58,7 +58,7 @@ pub struct Case {
     /// A title in one line.
     #[serde(default)]
     pub title: String,
-    /// Names of numbers for formulas. A constant may be a formula of the constants above it.
+    /// Names of numbers for formulas. A constant may be a formula of others, in any order.
     #[serde(default)]
     pub constants: BTreeMap<String, Formula>,
     /// Functions given by tables, by name: with a table `heave`, formulas may contain "heave(t)". They are interpolated by cubic

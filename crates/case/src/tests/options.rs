@@ -25,6 +25,18 @@ fn the_case_in_full_is_a_case_without_defaults() {
     assert!(twice.about.defaults.iter().all(|(key, _)| alone.contains(&key.as_str())));
 }
 
+/// The resolved case has its constants in the order of the alphabet, in which the first one was not known to the second.
+#[test]
+fn constants_may_use_others_in_any_order() {
+    for set in [["constants.zulu=2", "constants.early=\"zulu/4\""], ["constants.early=\"zulu/4\"", "constants.zulu=2"]]
+    {
+        let once = plane(BASE, &[&set[..], &["time.end=\"early*4\""]].concat());
+        let twice = plane(&once.about.resolved, &[]);
+        assert_eq!((once.time.end, twice.time.end), (2.0, 2.0));
+        assert_eq!(once.about.resolved, twice.about.resolved);
+    }
+}
+
 #[test]
 fn options_write_over_the_file() {
     let case = plane(BASE, &["flow.riemann=hllc", "time={order=1,end=2,slabs=5}", "constants.a=0.5", "mesh.order = 4"]);

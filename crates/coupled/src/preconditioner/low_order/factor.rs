@@ -7,7 +7,7 @@
 //! g = max_i sum_kl |D^-1_ik| |F_kl|,    F_i = sum_(j before i) dt^2 A_ij D_j^(-1) A_ji                              (node growth)
 //! ```
 //!
-//! is large. There D^-1 is stored as the sum of two numbers in bfloat16 instead of one.
+//! is large. There D^-1 is stored as the sum of two or three numbers in bfloat16 instead of one.
 
 use super::matrix::{BEYOND, NodeBlocks};
 use super::stencil::Step;
@@ -26,8 +26,12 @@ use std::sync::{PoisonError, RwLock, RwLockReadGuard};
 use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
 
-/// If (node growth) is larger, D^-1 is stored in two terms: the rounding of one is 0.004.
+/// The largest (node growth) at which D^-1 is stored in one term, whose rounding is 0.004. A further term rounds 256 times less.
 const LARGE_GROWTH: f64 = 100.0;
+/// See `LARGE_GROWTH`.
+const OF_A_TERM: f64 = 256.0;
+/// Together they have the digits of single precision.
+const MAX_TERMS: usize = 3;
 
 /// D_i^-1 of all modes.
 pub(super) struct Factor {
@@ -78,7 +82,8 @@ impl Factor {
         (self.ratio, self.shifts) = (ratio, shifts);
         // Mostly it needs as many terms as before.
         let growth = self.compute_in_terms::<D, M, W>(matrix, walk);
-        let terms = if growth <= LARGE_GROWTH { 1 } else { 2 };
+        let suffice = |terms: &usize| growth <= LARGE_GROWTH * OF_A_TERM.powi(*terms as i32 - 1);
+        let terms = (1..MAX_TERMS).find(suffice).unwrap_or(MAX_TERMS);
         tracing::debug!(growth, terms, "blocks of the preconditioner of low order");
         if terms != self.terms {
             self.terms = terms;
