@@ -2,7 +2,7 @@
 //!
 //! Most of the cost of a preconditioner is reading its blocks from memory. They are rounded to the 8 bits of bfloat16, which has the
 //! exponents of single precision. The iteration around it works in double precision and loses no accuracy. Its number of steps changes by
-//! one in a hundred at most in an airfoil's thin boundary layer. Blocks that are worse conditioned are the sums of two such terms, with 16 bits.
+//! one in a hundred at most in an airfoil's thin boundary layer. Blocks that are worse conditioned are the sums of two or three such terms, with 16 or 24 bits.
 //!
 //! ```text
 //! y += A_low x_low + A_high x_high                                                                                    (bf16)
@@ -19,6 +19,16 @@ use tensor::pulp::{Simd, WithSimd};
 /// How a block of `shape` is stored.
 pub fn panels(shape: Shape) -> Panels {
     Panels { rows: padded(shape.n), columns: (shape.n * shape.parts).div_ceil(2) }
+}
+
+/// A further term rounds so many times less.
+const OF_A_TERM: f64 = 256.0;
+/// Together they have the digits of single precision.
+const MAX_TERMS: usize = 3;
+
+/// The terms of numbers for which one term loses `loss` times as many digits as it may.
+pub fn terms(loss: f64) -> usize {
+    (1..MAX_TERMS).find(|terms| loss <= OF_A_TERM.powi(*terms as i32 - 1)).unwrap_or(MAX_TERMS)
 }
 
 /// Stores a block, `[column][part][row]` with rows padded, as a sum of `terms`. Of more than one, it leaves what they lack in `block`.
@@ -203,6 +213,13 @@ mod tests {
         (block[0], block[padded(1)]) = (re, im);
         store(shape, &block, &mut bf16_blocks);
         [bf16_blocks[0] << 16, bf16_blocks[0] & 0xffff_0000].map(f32::from_bits)
+    }
+
+    #[test]
+    fn terms_follow_from_what_one_of_them_loses() {
+        for (loss, expected) in [(0.0, 1), (1.0, 1), (1.1, 2), (256.0, 2), (257.0, 3), (1e9, 3), (f64::INFINITY, 3)] {
+            assert_eq!(terms(loss), expected, "{loss}");
+        }
     }
 
     #[test]

@@ -23,14 +23,14 @@ use std::sync::atomic::AtomicU32;
 use std::sync::{Arc, Mutex};
 use tensor::Arch;
 
-/// If (growth) is larger, entries are stored in two terms. Up to there a second term saves no iteration on airfoils, whose largest growth is 18,500.
-/// A thin periodic layer takes 50 iterations for 5 at 14,500, 700 at 24,000, and thousands above.
+/// The largest (growth) at which entries are stored in one term. Up to there a second term saves no iteration on airfoils, whose largest growth
+/// is 18,500. A thin periodic layer takes 50 iterations for 5 at 14,500, 700 at 24,000, and thousands above.
 const LARGE_GROWTH: f64 = 2e4;
 
 /// Block ILU(0) of every temporal mode of a slab.
 ///
 /// The Jacobian is kept with entries of type `T`. Off-diagonal blocks are the same for all modes and kept in traces; they and the factors are
-/// stored in bfloat16, each entry as one number or as the sum of two. The iteration that uses them works in double precision and loses nothing.
+/// stored in bfloat16, each entry as one number or as the sum of two or three. The iteration that uses them works in double precision and loses nothing.
 pub struct BlockIlu<T> {
     pub(super) layout: Layout,
     pub(super) share: Arc<Share>,
@@ -159,7 +159,7 @@ impl<T: Stored> BlockIlu<T> {
     fn factorise(&self, scales: TimeScales, mut inverses: Vec<u32>) -> (Vec<u32>, usize) {
         // Mostly they need as many terms as before.
         let growth = self.factorise_in(self.terms, scales, &mut inverses);
-        let terms = if growth <= LARGE_GROWTH { 1 } else { 2 };
+        let terms = bf16_blocks::terms(growth / LARGE_GROWTH);
         tracing::debug!(growth, terms, "blocks of the preconditioner");
         if terms != self.terms {
             self.factorise_in(terms, scales, &mut inverses);

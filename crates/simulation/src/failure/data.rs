@@ -90,6 +90,8 @@ pub struct Newton {
     pub unfinished_linear_solves: f64,
     /// That limit.
     pub krylov_allowed: usize,
+    /// Whether the flow has the preconditioner by blocks.
+    pub has_blocks: bool,
     /// The result of a march in time from the best state, if a steady flow was not found.
     pub settling: Option<Settling>,
 }

@@ -12,7 +12,7 @@ use crate::body_checks::unheld;
 use crate::boundary_values::{not_positive, without_value};
 use crate::build::nodes_of_driven_bodies;
 use crate::cells::StateInCells;
-use case::{Case, Flow, State};
+use case::{Case, Flow, Preconditioner, State};
 use coupled::{
     FlowMarch, Interval, MarchError, MeshMover, RELATIVE_DETERMINANT, ResidualBreakdown, SlabError, SteadyError,
 };
@@ -162,6 +162,7 @@ impl<'a, const D: usize, const M: usize> Failed<'a, D, M> {
             steps_used_up: matches!(error, newton::Error::MaxSteps { .. }),
             unfinished_linear_solves: unfinished as f64 / report.steps.len().max(1) as f64,
             krylov_allowed,
+            has_blocks: self.case.preconditioner() == Preconditioner::Blocks,
             settling: self.steady.and_then(|steady| steady.settling.as_ref()).map(seen),
         }
     }

@@ -14,6 +14,7 @@ use super::stencil::Step;
 use super::sweeps::{add_column, load, load_terms};
 use super::vectors::columns;
 use super::walk::Walk;
+use crate::preconditioner::bf16_blocks::terms;
 use crate::preconditioner::modal::largest;
 use basis::TemporalModes;
 use faer::c64;
@@ -26,12 +27,8 @@ use std::sync::{PoisonError, RwLock, RwLockReadGuard};
 use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
 
-/// The largest (node growth) at which D^-1 is stored in one term, whose rounding is 0.004. A further term rounds 256 times less.
+/// The largest (node growth) at which D^-1 is stored in one term, whose rounding is 0.004.
 const LARGE_GROWTH: f64 = 100.0;
-/// See `LARGE_GROWTH`.
-const OF_A_TERM: f64 = 256.0;
-/// Together they have the digits of single precision.
-const MAX_TERMS: usize = 3;
 
 /// D_i^-1 of all modes.
 pub(super) struct Factor {
@@ -82,8 +79,7 @@ impl Factor {
         (self.ratio, self.shifts) = (ratio, shifts);
         // Mostly it needs as many terms as before.
         let growth = self.compute_in_terms::<D, M, W>(matrix, walk);
-        let suffice = |terms: &usize| growth <= LARGE_GROWTH * OF_A_TERM.powi(*terms as i32 - 1);
-        let terms = (1..MAX_TERMS).find(suffice).unwrap_or(MAX_TERMS);
+        let terms = terms(growth / LARGE_GROWTH);
         tracing::debug!(growth, terms, "blocks of the preconditioner of low order");
         if terms != self.terms {
             self.terms = terms;

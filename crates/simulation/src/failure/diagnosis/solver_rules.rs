@@ -69,6 +69,7 @@ pub fn linear_solver(data: &FailureData) -> Option<Cause> {
         true => ("solver.steady.krylov_iterations", ""),
         false => ("solver.krylov_iterations", " and `solver.krylov_restart`"),
     };
+    let other = if newton.has_blocks { "" } else { ", take `solver.preconditioner = \"blocks\"`" };
     // Ten iterations are few for any problem. If hundreds do not suffice, the cause is mostly elsewhere.
     let few = 1.0 - rises(newton.krylov_allowed as f64, 50.0);
     Some(Cause {
@@ -79,7 +80,7 @@ pub fn linear_solver(data: &FailureData) -> Option<Cause> {
             (100.0 * part).round(),
             newton.krylov_allowed
         ),
-        remedy: format!("raise `{limit}`{restart}, or shorten `time.step`"),
+        remedy: format!("raise `{limit}`{restart}{other}, or shorten `time.step`"),
     })
 }
 

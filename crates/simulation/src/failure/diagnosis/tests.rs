@@ -23,6 +23,7 @@ fn nothing_suspicious() -> FailureData {
             steps_used_up: true,
             unfinished_linear_solves: 0.0,
             krylov_allowed: 200,
+            has_blocks: true,
             settling: None,
         }),
         mesh: Mesh { smallest_det_j: 0.9, aspect_ratio: 2.0, evenness: 0.8, ..Mesh::default() },
@@ -142,6 +143,13 @@ fn a_fact_of_the_solver_names_its_cause() {
         }),
         "linear_solver"
     );
+    // Another preconditioner was not named.
+    let mut cut_short = nothing_suspicious();
+    let newton = cut_short.newton.as_mut().unwrap();
+    (newton.unfinished_linear_solves, newton.has_blocks) = (1.0, false);
+    let causes = causes(&cut_short);
+    let remedy = &causes.iter().find(|cause| cause.name == "linear_solver").unwrap().remedy;
+    assert!(remedy.contains("`solver.preconditioner = \"blocks\"`"), "{remedy}");
     assert_eq!(first(|e| gas(e).waves_per_slab = 1e5), "time_step");
 }
 

@@ -242,6 +242,7 @@ fn preconditioner<const D: usize>(case: &Case<D>) -> String {
     let reason = match case.solver.preconditioner {
         Some(_) => "as asked for",
         None if case.has_moved_bodies() => "the cheapest for this dimension and order with bodies that the flow moves",
+        None if D == 3 && case.has_thin_layer() => "the cheapest for a layer as thin as this",
         None => "the cheapest for this dimension and order",
     };
     format!("MB, {name}, {reason}")
