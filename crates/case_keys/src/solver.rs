@@ -27,7 +27,7 @@ pub struct Solver {
     /// The method for products with the Jacobian.
     pub jacobian: Jacobian,
     /// The preconditioner of the flow. Default: `"low_order"` in three dimensions from `flow.order` = 3, otherwise `"blocks"`. With bodies or
-    /// structures that the flow moves `"blocks"` as long as they take less than 2 GB.
+    /// structures that the flow moves, and in a span of one thin cell, `"blocks"` as long as they take less than 2 GB.
     pub preconditioner: Option<Preconditioner>,
     /// The first guess of a slab.
     pub predictor: Predictor,
