@@ -70,8 +70,9 @@ pub fn beyond_linear<const D: usize>(case: &Case<D>, state: &coupled::State) -> 
     };
     let part = (0..D).map(spread).fold(0.0, f64::max) / structure.mesh(&case.mesh).diameter();
     (part > SMALL_DISPLACEMENT).then(|| {
+        let part = if part < 1e3 { format!("{part:.2}") } else { format!("{part:.1e}") };
         format!(
-            "points of the structure move apart by {part:.2} of its size at t = {}, but `structure.law = \"linear\"` is for small displacements, up to about \
+            "points of the structure move apart by {part} of its size at t = {}, but `structure.law = \"linear\"` is for small displacements, up to about \
              {SMALL_DISPLACEMENT}; \"neo_hookean\" and \"st_venant_kirchhoff\" are for large ones",
             rounded_time(state.time)
         )

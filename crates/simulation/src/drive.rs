@@ -8,7 +8,6 @@ mod slabs;
 
 pub(super) use run::Run;
 
-use super::averages;
 use super::context::RunContext;
 use super::crew::Orders;
 use super::flow_run::run_flow;
@@ -185,9 +184,8 @@ fn prepare<'a, const D: usize, const M: usize, R: Run>(
     let has_begun = resumed.is_some() && !run.awaits_start(&statistics);
     cut_files(session, &mut recorder, run, has_begun)?;
     let context = RunContext::new(case, run.state().time, session, call.begun, statistics);
-    if let Some(resumed) = &resumed {
+    if resumed.is_some() {
         warn_of_end(case, run.state().time);
-        averages::are_late(case, &resumed.state.arrays, run.state()).iter().for_each(|text| tracing::warn!("{text}"));
     }
     warn_of_averages(case);
     warn_of_frame(case);
