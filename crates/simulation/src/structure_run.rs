@@ -15,7 +15,7 @@ use case::{Analysis, Case, Structure};
 use coupled::block::{BodyState, Ledger};
 use coupled::{Observation, SlabError, StructureMarch, StructureReport, rounded_time};
 use elasticity::{ElasticityError, NaturalMode, Stability, natural_modes};
-use newton_krylov::inner_product::{Euclidean, InnerProduct};
+use newton_krylov::inner_product::{Euclidean, InnerProduct, largest};
 use output::{Checkpoint, Summary};
 use std::sync::Arc;
 use std::time::Instant;
@@ -51,14 +51,18 @@ fn without_march(error: ElasticityError) -> Failure {
     Failure::solve(anyhow::Error::new(error).context(words))
 }
 
-/// The warning about an unstable equilibrium.
-fn unstable(stability: &Stability, time: f64) -> Option<String> {
-    let factor = stability.buckling_factor().filter(|_| stability.is_unstable())?;
-    Some(format!(
-        "the equilibrium at t = {} is unstable: the structure buckles at about {factor:.3} of these loads, and the least disturbance moves it away. A small load \
-         across it, or a shape that is not perfect, leads to the equilibrium that is stable",
+/// A body that its loads displace by more of its size has no buckling load that follows from its stiffness.
+const LITTLE: f64 = 0.05;
+
+/// The warning about an unstable equilibrium, with the buckling `factor` if it has one.
+fn unstable(factor: Option<f64>, time: f64) -> String {
+    let at = factor
+        .map_or_else(String::new, |factor| format!("the structure buckles at about {factor:.3} of these loads, and "));
+    format!(
+        "the equilibrium at t = {} is unstable: {at}the least disturbance moves it away. A small load across it, or a shape that is not perfect, leads \
+         to the equilibrium that is stable",
         rounded_time(time)
-    ))
+    )
 }
 
 struct StructureRun<'a, const D: usize> {
@@ -102,6 +106,14 @@ impl Observed {
 }
 
 impl<const D: usize> StructureRun<'_, D> {
+    /// The multiple of the loads at which the body buckles, if they hardly deform it before.
+    fn buckling_factor(&self) -> Option<f64> {
+        let (body, displacement) = (self.march.structure(), &self.march.state.d);
+        let moved = largest(displacement.iter().map(|d| d.abs()));
+        let factor = self.stability.and_then(|stability| stability.buckling_factor());
+        factor.filter(|_| moved <= LITTLE * body.mesh().diameter())
+    }
+
     /// The structure as a body that no flow moves.
     fn as_body(&self, context: &RunContext) -> BodyState {
         let at_points = |field: &[f64]| self.observed.points.iter().flat_map(|point| point.value::<D>(field)).collect();
@@ -174,7 +186,7 @@ impl<const D: usize> Run for StructureRun<'_, D> {
         let mut summary = summary::of_structure(self.case, &self.march, energy, &self.observed.modes, context, stop);
         if let (Some(structure), Some(stability)) = (&mut summary.structure, self.stability) {
             structure.least_stiffness = Some(stability.stiffness);
-            structure.buckling_factor = stability.buckling_factor();
+            structure.buckling_factor = self.buckling_factor();
         }
         if let Some(record) = context.statistics.bodies.first() {
             let mut body = summary::of_elastic_body(self.structure, &self.as_body(context), record);
@@ -192,8 +204,8 @@ impl<const D: usize> Run for StructureRun<'_, D> {
     }
 
     fn judge(&self, context: &RunContext, session: &Session) -> Result<(), Failure> {
-        if let Some(text) = self.stability.as_ref().and_then(|stability| unstable(stability, self.march.state.time)) {
-            tracing::warn!("{text}");
+        if self.stability.is_some_and(|stability| stability.is_unstable()) {
+            tracing::warn!("{}", unstable(self.buckling_factor(), self.march.state.time));
         }
         context.say_done(self.march.state.time, session);
         Ok(())

@@ -62,7 +62,7 @@ fn check_tells_of_openings_that_start_with_a_jump() {
         ("flow.boundary.right.outflow.pressure=0.9", None),
         (
             "flow.boundary.right.outflow.pressure=0.1",
-            Some("at `right`: the state that the condition sets there has a pressure of 1.0000e-1"),
+            Some("at `right`: the state that the condition sets there has a pressure of"),
         ),
         ("flow.boundary.right.outflow.pressure=100", Some("at `right`")),
         ("flow.boundary.left.inflow.total_pressure=10", Some("at `left`")),
