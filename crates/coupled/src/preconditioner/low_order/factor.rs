@@ -67,8 +67,7 @@ impl Factor {
         self.columns.last().map_or(0, |columns| columns.end)
     }
 
-    /// Factors the modes for slabs `ratio` times as long as that of the blocks. The number of terms follows from the blocks and the `shifts`
-    /// alone: a resumed run has nothing else. A collective call.
+    /// Factors the modes for slabs `ratio` times as long as that of the blocks. A collective call.
     pub(super) fn compute<const D: usize, const M: usize, const W: usize>(
         &mut self,
         matrix: &NodeBlocks<D, M>,
@@ -77,12 +76,12 @@ impl Factor {
         shifts: Vec<c64>,
     ) {
         (self.ratio, self.shifts) = (ratio, shifts);
-        // Mostly it needs as many terms as before.
+        // The growth depends on the terms a little, so it is that of one term. A resumed run does not know how many there were.
+        self.terms = 1;
         let growth = self.compute_in_terms::<D, M, W>(matrix, walk);
-        let terms = terms(growth / LARGE_GROWTH);
-        tracing::debug!(growth, terms, "blocks of the preconditioner of low order");
-        if terms != self.terms {
-            self.terms = terms;
+        self.terms = terms(growth / LARGE_GROWTH);
+        tracing::debug!(growth, terms = self.terms, "blocks of the preconditioner of low order");
+        if self.terms > 1 {
             self.compute_in_terms::<D, M, W>(matrix, walk);
         }
     }
