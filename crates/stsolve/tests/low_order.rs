@@ -87,4 +87,13 @@ fn a_thin_span_takes_few_iterations() {
         println!("{name}: {krylov} iterations in {newton} steps");
         assert!(krylov <= most * newton, "{name}: {krylov} iterations in {newton} steps");
     }
+    // Blocks in several terms are those of a run that was not interrupted.
+    for (name, preconditioner) in [("blocks", &blocks), ("nodes", &low_order)] {
+        let case = layer((1, 3), 0.01, "\"x\"", symmetric, preconditioner);
+        let [through, split] = ["through", "split"].map(|part| format!("{name} {part}"));
+        on_text(directory.path(), &case, &["time.end=0.2"], &through, &[]).expect(0, &[]);
+        on_text(directory.path(), &case, &[], &split, &[]).expect(0, &[]);
+        on_text(directory.path(), &case, &["time.end=0.2"], &split, &["--resume"]).expect(0, &[]);
+        assert_same_bits(&directory.path().join(&through), &directory.path().join(&split), name);
+    }
 }
