@@ -43,7 +43,7 @@ impl<const D: usize> Case<D> {
         }
     }
 
-    /// Whether some cells are alone between planes of symmetry or periodic sides that are [`THIN`] apart: a span of one layer.
+    /// Whether some cells are alone between planes of symmetry or periodic sides so near that sound crosses often in a slab: a span of one layer.
     pub fn has_thin_layer(&self) -> bool {
         let Some(flow) = &self.flow else { return false };
         let sound = flow.law.gas.sound_speed(flow.law.reference.density(), flow.reference_pressure());
