@@ -11,7 +11,7 @@ use super::key::Key;
 use super::magnitude::{self, is_computable};
 use super::raw::{Axis, Formula};
 use crate::checked::Control;
-use crate::expression::{Names, Table};
+use crate::expression::{Names, Program, Table};
 use navier_stokes::InvalidParameter;
 use serde::Serialize;
 use std::cell::RefCell;
@@ -182,6 +182,12 @@ impl<'a> Checker<'a> {
             return Ok(());
         }
         self.require(key, quantity, false, &format!("{accepted}{}", self.constants_in_words()))
+    }
+
+    /// Requires that `formula` has a value somewhere.
+    pub(super) fn require_finite_somewhere(&self, key: &Key, quantity: &str, formula: &Program) -> Checked<()> {
+        let accepted = "a formula that is finite somewhere; a part of this one never is, such as 1/0";
+        self.require_of_formula(key, quantity, !formula.is_finite_nowhere(), accepted)
     }
 
     /// `value`, if it is positive and finite.

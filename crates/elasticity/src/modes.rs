@@ -57,8 +57,7 @@ pub fn natural_modes<const D: usize>(
     count: usize,
 ) -> Result<Vec<NaturalMode>, ElasticityError> {
     structure.require_modes(count)?;
-    let free = structure.fixed().iter().filter(|fixed| !**fixed).count();
-    let size = (count + GUARD).min(free);
+    let size = (count + GUARD).min(structure.count_free());
     let mut s = structure.typical_shift();
     let mut shifted = structure.shifted(s, Vec::new(), &[])?;
     let mut block = Block { x: start(structure, size), omega_squared: vec![f64::INFINITY; size] };

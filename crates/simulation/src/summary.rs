@@ -262,7 +262,7 @@ pub fn of_structure<const D: usize>(
     stop: Option<&Stop>,
 ) -> Summary {
     let balance = context.statistics.structure;
-    let free = march.structure().fixed().iter().filter(|fixed| !**fixed).count();
+    let free = march.structure().count_free();
     let mut summary = common(case, &march.state, context, stop);
     summary.unknowns.structure = Some(free * case.time.order);
     summary.structure = Some(StructureSummary {

@@ -73,8 +73,7 @@ pub(super) fn check(
     has_integral(checker, &key.child("measure"), &raw.measure, integrals)?;
     let initial = checker.number(&key.child("initial"), &raw.initial)?;
     let rate = checker.formula_of_control(&key.child("rate"), &raw.rate)?;
-    let accepted = "a formula that is finite somewhere; a part of this one never is, such as 1/0";
-    checker.require_of_formula(&key.child("rate"), "the rate", !rate.is_finite_nowhere(), accepted)?;
+    checker.require_finite_somewhere(&key.child("rate"), "the rate", &rate)?;
     let rate = Rate::Formula(rate);
     let (name, measure, value) = (name.to_owned(), raw.measure.clone(), ControlValue::new(initial));
     Ok(Control { name, measure, initial, value, rate, is_used: false })

@@ -148,8 +148,7 @@ fn formula<const D: usize>(checker: &Checker<'_>, at: Named<'_, raw::Formula>) -
     let is_free = is_free && !is_variable(at.name) && !is_name_of_average(at.name);
     checker.require(&at.key, "the name of the formula", is_name && is_free, accepted)?;
     let program = checker.formula_of_fields::<D>(&at.key, at.raw)?;
-    let accepted = "a formula that is finite somewhere; a part of this one never is, such as 1/0";
-    checker.require_of_formula(&at.key, "the value of the formula", !program.is_finite_nowhere(), accepted)?;
+    checker.require_finite_somewhere(&at.key, "the value of the formula", &program)?;
     Ok(FieldFormula { name: at.name.to_owned(), program })
 }
 

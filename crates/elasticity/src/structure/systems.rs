@@ -86,12 +86,17 @@ impl<const D: usize> Structure<D> {
         }
     }
 
+    /// The number of entries whose motion is not prescribed.
+    pub fn count_free(&self) -> usize {
+        self.fixed().iter().filter(|fixed| !**fixed).count()
+    }
+
     /// Whether it has `count` natural modes.
     ///
     /// # Errors
     /// [`ElasticityError::TooManyModes`] if not.
     pub fn require_modes(&self, count: usize) -> Result<(), ElasticityError> {
-        let free = self.fixed().iter().filter(|fixed| !**fixed).count();
+        let free = self.count_free();
         if count <= free { Ok(()) } else { Err(ElasticityError::TooManyModes { wanted: count, free }) }
     }
 
