@@ -95,7 +95,7 @@ def parse():
     parser.add_argument("--step", type=float, help="of PyFR, a part of 0.1")
     parser.add_argument("--slab", type=float, default=0.1, help="the slabs of ours")
     parser.add_argument("--quadrature", choices=["conserving", "collocated", "three_halves"], help="the rule of ours")
-    parser.add_argument("--riemann", choices=["roe", "lax_friedrichs"], default="roe", help="the flux of ours between cells")
+    parser.add_argument("--riemann", choices=["roe", "low_mach_roe", "lax_friedrichs"], default="roe", help="the flux of ours between cells")
     parser.add_argument("--pyfr", default=shutil.which("pyfr"), help="the command, where it is not on the path")
     parser.add_argument("--directory", default=ROOT / "runs/taylor_green")
     options = parser.parse_args()

@@ -41,8 +41,9 @@ pub struct Structure {
     /// The motion at the start. Default: the body is at rest. A static analysis starts from the equilibrium at the start.
     #[serde(default)]
     pub initial: InitialMotion,
-    /// The number of natural modes to find, those of lowest frequency, of the body without loads: stress does not change them. Their frequencies go to summary.json, and the coordinate of the
-    /// motion in each of them to history.csv, as mode_1, mode_2, ...
+    /// The number of natural modes to find, those of lowest frequency, of the body without loads. Their frequencies go to summary.json, and the coordinate of the
+    /// motion in each of them to history.csv, as mode_1, mode_2, ... A static analysis with large displacements also finds the frequencies of
+    /// vibrations about its equilibrium, which loads change.
     #[serde(default)]
     pub natural_modes: usize,
     /// Points at rest whose displacement goes to history.csv, by name.

@@ -4,7 +4,9 @@ use crate::march::{March, SlabSolver};
 use crate::schedule::Schedule;
 use crate::slab_error::SlabError;
 use crate::state::{Interval, Past, State};
-use elasticity::{Dynamics, DynamicsReport, ElasticityError, SlabBottom, SlabMotion, Stability, Statics, Structure};
+use elasticity::{
+    Dynamics, DynamicsReport, ElasticityError, NaturalMode, SlabBottom, SlabMotion, Stability, Statics, Structure,
+};
 use fem::{Clock, VectorField};
 use std::sync::Arc;
 
@@ -193,6 +195,18 @@ impl<const D: usize> StructureMarch<D> {
         match &self.solver.equations {
             Equations::Dynamic(_) => Ok(None),
             Equations::Static(statics) => statics.stability(&self.state.d),
+        }
+    }
+
+    /// The `count` natural modes about the equilibrium reached, see [`Statics::natural_modes`]; None with inertia.
+    ///
+    /// # Errors
+    /// As [`Statics::natural_modes`].
+    pub fn natural_modes(&self, count: usize) -> Result<Option<Vec<NaturalMode>>, ElasticityError> {
+        let _timed = tracing::trace_span!(target: "cost", "elasticity").entered();
+        match &self.solver.equations {
+            Equations::Dynamic(_) => Ok(None),
+            Equations::Static(statics) => statics.natural_modes(&self.state.d, count),
         }
     }
 

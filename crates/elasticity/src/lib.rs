@@ -56,7 +56,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod buckling;
 mod cauchy;
 mod condensation;
 mod corrections;
@@ -91,7 +90,6 @@ mod substructures;
 mod testing;
 mod wall_distance;
 
-pub use buckling::Stability;
 pub use cauchy::{Stress, principal, von_mises};
 pub use dynamics::{Dynamics, DynamicsReport};
 pub use elastic_mesh::ElasticMesh;
@@ -106,7 +104,7 @@ pub use newton_krylov::cg::Report;
 pub use slab::{ElasticSlab, MAX_TIME_ORDER, SlabMotion};
 pub use solid::{Field, MaterialProperty, Solid};
 pub use solver::{Plan, Solver, factor_bytes};
-pub use statics::Statics;
+pub use statics::{Stability, Statics};
 pub use stiffness::Stiffness;
 pub use structure::{Damping, Structure};
 pub use structure_slab::{SlabBottom, SlabWork, StructureSlab};

@@ -56,10 +56,19 @@ pub fn natural_modes<const D: usize>(
     structure: &Structure<D>,
     count: usize,
 ) -> Result<Vec<NaturalMode>, ElasticityError> {
+    natural_modes_at(structure, &[], count)
+}
+
+/// The same with K at the displacement `d`; empty means at rest. K must be positive semi-definite there.
+pub(crate) fn natural_modes_at<const D: usize>(
+    structure: &Structure<D>,
+    d: &[f64],
+    count: usize,
+) -> Result<Vec<NaturalMode>, ElasticityError> {
     structure.require_modes(count)?;
     let size = (count + GUARD).min(structure.count_free());
     let mut s = structure.typical_shift();
-    let mut shifted = structure.shifted(s, Vec::new(), &[])?;
+    let mut shifted = structure.shifted(s, Vec::new(), d)?;
     let mut block = Block { x: start(structure, size), omega_squared: vec![f64::INFINITY; size] };
     for _ in 0..MAX_ITERATIONS {
         let old = std::mem::take(&mut block.omega_squared);
@@ -67,7 +76,7 @@ pub fn natural_modes<const D: usize>(
         let highest = block.omega_squared[size - 1];
         if s > LARGE * highest && highest > 0.0 {
             s = SMALL * highest;
-            shifted = structure.shifted(s, Vec::new(), &[])?;
+            shifted = structure.shifted(s, Vec::new(), d)?;
             continue;
         }
         let settled =
@@ -96,8 +105,10 @@ impl Block {
         };
         let solved = parallel::map(self.x.len(), Grain::Any, &|k| solve(&self.x[k]));
         let mut x = solved.into_iter().collect::<Result<Vec<_>, _>>()?;
-        let pencil =
-            Pencil { k: &|x, out| structure.apply_stiffness(x, out), m: &|x, out| structure.apply_mass(x, out) };
+        let pencil = Pencil {
+            k: &|x, out| shifted.apply_stiffness(structure, x, out),
+            m: &|x, out| structure.apply_mass(x, out),
+        };
         Ok(Block { omega_squared: pencil.ritz(&mut x)?, x })
     }
 

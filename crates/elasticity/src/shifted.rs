@@ -35,7 +35,7 @@ pub(crate) struct Shifted<const D: usize> {
 
 impl<const D: usize> Shifted<D> {
     /// out = K x on all entries.
-    fn apply_stiffness(&self, structure: &Structure<D>, x: &[f64], out: &mut [f64]) {
+    pub(crate) fn apply_stiffness(&self, structure: &Structure<D>, x: &[f64], out: &mut [f64]) {
         if self.material {
             structure.apply_material_stiffness_at(&self.position, x, out);
         } else {

@@ -19,6 +19,10 @@ use basis::RadauTime;
 use fem::Clock;
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 
+mod buckling;
+
+pub use buckling::Stability;
+
 /// A structure, its loads, and the preconditioner of K.
 pub struct Statics<const D: usize> {
     structure: Structure<D>,
@@ -44,13 +48,6 @@ impl<const D: usize> Statics<D> {
     /// The structure.
     pub fn structure(&self) -> &Structure<D> {
         &self.structure
-    }
-    pub(crate) fn loads(&self) -> &Loads<D> {
-        &self.loads
-    }
-    /// The preconditioner of K at rest.
-    pub(crate) fn stiffness_at_rest(&self) -> &Shifted<D> {
-        &self.stiffness
     }
     /// The polynomials of a slab.
     pub fn motion(&self) -> &SlabMotion {

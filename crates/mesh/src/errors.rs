@@ -128,6 +128,18 @@ pub enum MeshError {
         /// Centre of the face.
         position: Vec<f64>,
     },
+    /// Two curved faces have the same corners.
+    #[error(
+        "a face of cell {} at {position:?} and one of cell {} have the same corners, but are not the same face: between any two corners there may be \
+         one face, so put more cells there, for instance three around a hole",
+        cells[0], cells[1]
+    )]
+    SameCorners {
+        /// The cells.
+        cells: [usize; 2],
+        /// Centre of the face of the first.
+        position: Vec<f64>,
+    },
     /// A boundary lists a face that does not exist.
     #[error("boundary \"{name}\" lists face {face} of cell {cell}: there are {cells} cells with {faces} faces each")]
     NoSuchFace {

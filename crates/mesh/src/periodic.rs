@@ -7,7 +7,7 @@ mod joint;
 mod tests;
 
 use crate::{InteriorFacet, Mesh, MeshError, Side};
-use coincidence::distance;
+use coincidence::{LAST_PLACES, distance, last_place};
 pub(crate) use coincidence::{Place, TOLERANCE, coincident};
 pub(crate) use images::align_images;
 use joint::Joint;
@@ -124,9 +124,19 @@ fn check_gap<const D: usize>(
     Ok(())
 }
 
+/// How far the nodes of neighbours may be apart: not less than the rounding of their coordinates.
+fn gap_tolerance<const D: usize>(mesh: &Mesh<D>) -> f64 {
+    (TOLERANCE * mesh.diameter()).max(LAST_PLACES * last_place(mesh))
+}
+
+/// Whether two faces with the same corners are the same face, and not for instance both halves of a round hole.
+pub(crate) fn is_same_face<const D: usize>(mesh: &Mesh<D>, facet: &InteriorFacet) -> bool {
+    check_gap(mesh, facet, &[0.0; D], gap_tolerance(mesh)).is_ok()
+}
+
 /// Whether all neighbours share the nodes of their facets.
 pub(crate) fn check_gaps<const D: usize>(mesh: &Mesh<D>) -> Result<(), MeshError> {
-    let tolerance = TOLERANCE * mesh.diameter();
+    let tolerance = gap_tolerance(mesh);
     for facet in &mesh.interior_facets {
         check_gap(mesh, facet, &[0.0; D], tolerance).map_err(|Apart { position, distance, tolerance }| {
             let (minus, plus) = (facet.minus.cell, facet.plus.cell);

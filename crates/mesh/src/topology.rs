@@ -95,7 +95,15 @@ fn match_faces<const D: usize>(
                 facets.push(conforming_facet(mesh, *minus, *plus)?);
                 between_regions.extend([minus, plus].into_iter().filter(|side| owner.contains_key(side)));
             }
-            ([_, _], Some(&boundary)) => return Err(inside(mesh, &boundaries[boundary].0, side)),
+            ([(_, minus), (_, plus)], Some(&boundary)) => {
+                let facet = conforming_facet(mesh, *minus, *plus)?;
+                return Err(match periodic::is_same_face(mesh, &facet) {
+                    true => inside(mesh, &boundaries[boundary].0, side),
+                    false => {
+                        MeshError::SameCorners { cells: [minus.cell, plus.cell], position: mesh.face_centre(side) }
+                    }
+                });
+            }
             ([(_, minus), (_, plus)], None) => facets.push(conforming_facet(mesh, *minus, *plus)?),
             _ => return Err(not_manifold(mesh, side, group.len())),
         }
@@ -308,5 +316,21 @@ mod tests {
             matches!(error, MeshError::PeriodicMismatch { distance, .. } if (distance - 1e-3).abs() < 1e-12),
             "{error}"
         );
+    }
+
+    /// Both halves of a round hole have the same corners: they were blamed to be one face inside of the mesh.
+    #[test]
+    fn two_curves_between_the_same_corners_are_told() {
+        let place = |(r, turns): (f64, f64)| {
+            let (sin, cos) = (std::f64::consts::TAU * turns).sin_cos();
+            [r * cos, r * sin]
+        };
+        let cell =
+            |half: usize| (0..9).map(move |k| (1.0 + 0.5 * (k % 3) as f64, 0.5 * half as f64 + 0.25 * (k / 3) as f64));
+        let coordinates = (0..2).flat_map(cell).flat_map(place).collect();
+        let both = |face| vec![Side { cell: 0, face }, Side { cell: 1, face }];
+        let boundaries = vec![("hole".to_owned(), both(0)), ("far".to_owned(), both(1))];
+        let error = Mesh::<2>::new(3, vec![0, 2, 1, 3, 1, 3, 0, 2], coordinates, boundaries, vec![]).unwrap_err();
+        assert!(matches!(error, MeshError::SameCorners { cells: [0, 1], .. }), "{error}");
     }
 }

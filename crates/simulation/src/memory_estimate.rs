@@ -115,7 +115,7 @@ impl MemoryEstimate {
             steady: case.solver.steady.map(steady),
             most_krylov: vector * krylov_vectors(restart),
             mesh: of_mesh,
-            averages: averages(case),
+            averages: averages_bytes(case),
         }
     }
 
@@ -158,7 +158,7 @@ pub fn require_memory<const D: usize>(case: &Case<D>, ranks: usize) -> Result<()
 }
 
 /// The sums and offsets of averages at all nodes of the flow.
-fn averages<const D: usize>(case: &Case<D>) -> usize {
+pub(crate) fn averages_bytes<const D: usize>(case: &Case<D>) -> usize {
     let (Some(averages), Some(flow)) = (&case.averages, &case.flow) else { return 0 };
     let (moments, phases) = (Moments::new::<D>(&averages.fields), averages.phases.map_or(1, |phases| phases.count));
     8 * case.mesh.n_cells() * flow.order.pow(D as u32) * (phases * moments.len() + moments.quantities.len())

@@ -5,6 +5,7 @@ use super::error::Failure;
 use super::failure::Mismatch;
 use super::openings::{self, Record};
 use super::probe::{self, MeshOverRun, ProbeError, Timing};
+use super::record::result_bytes;
 use super::restart;
 use case::{Case, Flow};
 
@@ -42,6 +43,9 @@ pub trait Preflight<const D: usize> {
 
     /// The solver that the mesh will have, if its interior is elastic.
     fn elasticity_plan(&self) -> Option<elasticity::Plan>;
+
+    /// The bytes that the result file of the whole run will have.
+    fn result_bytes(&self) -> usize;
 }
 
 macro_rules! with_components {
@@ -67,6 +71,9 @@ macro_rules! with_components {
             }
             fn elasticity_plan(&self) -> Option<elasticity::Plan> {
                 build::elasticity_plan(self)
+            }
+            fn result_bytes(&self) -> usize {
+                result_bytes::<$d, $m>(self)
             }
         }
     };

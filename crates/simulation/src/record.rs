@@ -21,6 +21,7 @@ use crate::observer::{Positions, RunState, SlabFlow};
 use crate::session::Session;
 use case::Case;
 use coupled::block::BodyState;
+pub use layout::result_bytes;
 use layout::{fingerprint, flow_order, layout, metadata};
 use output::{
     ArrayInParts, ArraySpec, Checkpoint, History, Kept, Metadata, OutputError, Parts, ResultFile, ResultReader,

@@ -6,6 +6,7 @@ mod error;
 mod loaded;
 mod mesh_difference;
 mod other_mesh;
+mod start_warnings;
 mod supports;
 
 pub use error::RestartError;
@@ -16,17 +17,17 @@ use super::{bodies, checkpoint, fallback, motion_jump, surfaces};
 use crate::crew::OfCells;
 use crate::error::Failure;
 use case::{
-    AllowedChange, Case, Flow, Time, bodies_of, differences, gas_of, motion_of, quadrature_of, reference_pressure_of,
-    searches_steady_flow, start_of,
+    AllowedChange, Case, Differences, Flow, Time, bodies_of, differences, gas_of, motion_of, quadrature_of,
+    reference_pressure_of,
 };
 use coupled::block::BodyState;
-use coupled::{MeshMotion, MeshMover, State, rounded_time};
+use coupled::{MeshMotion, MeshMover, State};
 use fem::{Layout, Orders};
 use loaded::Loaded;
 use mesh::NodeNumbering;
 use navier_stokes::Conserved;
-use other_mesh::forget_cells;
-use output::{Arrays, Checkpoint, RESULT_FILE, ResultReader, Series};
+use other_mesh::{forget_averages, forget_cells};
+use output::{Checkpoint, RESULT_FILE, ResultReader, Series};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -47,7 +48,8 @@ pub struct Start {
     pub surfaces: Vec<Series>,
     /// The walls with distributions of which the earlier run kept none.
     pub added_walls: Vec<String>,
-    /// Whether the distributions along walls begin anew, at other points: on another mesh, or with other orders in space or another quadrature.
+    /// Whether the distributions along walls begin anew: at other points, on another mesh or with other orders in space or another quadrature, or
+    /// of another gas.
     pub begins_surfaces: bool,
     /// Whether the earlier run has only searched a steady flow, and this one searches another.
     pub searches_anew: bool,
@@ -118,6 +120,9 @@ impl Origin {
         if is_other_mesh {
             forget_cells(&mut sums);
         }
+        if gas_changed {
+            forget_averages(&mut sums);
+        }
         let to = Orders { flow: flow.order, mesh: case.mesh.order(), time: case.time.order };
         let pressure_changes = gas_changed && case.allows(AllowedChange::Mach);
         let keeps_cells = !is_other_mesh && !pressure_changes && self.orders(case) == to;
@@ -128,10 +133,14 @@ impl Origin {
         let mut warnings = self.check_motion(case, mover, &state)?;
         warnings.extend(warning);
         state.boundary_jumps = self.jumps(case, mover, &state);
-        warnings.extend(self.misunderstood_start(case, state.time)?);
-        warnings.extend(self.unfinished_search(case, &state, &sums)?);
+        warnings.extend(self.start_warnings(case, &state, &sums)?);
         let has_other_points = from.flow != to.flow || from.mesh != to.mesh || self.has_other_quadrature(case)?;
-        let (added_walls, late) = self.added_walls(case, state.time, is_other_mesh, has_other_points);
+        let changed = match (gas_changed, has_other_points) {
+            (true, _) => Some("gas"),
+            (false, true) => Some("order or quadrature"),
+            (false, false) => None,
+        };
+        let (added_walls, late) = self.added_walls(case, state.time, is_other_mesh, changed);
         warnings.extend(late);
         warnings.extend(averages::are_late(case, &sums, &state));
         if pressure_changes {
@@ -152,72 +161,41 @@ impl Origin {
             || pressure_changes
             || self.has_other_quadrature(case)?
             || self.is_other(case, &["bodies", "structure"])?;
-        let keeps_averages = !is_other_mesh && !searches_anew;
+        let keeps_averages = !is_other_mesh && !gas_changed && !searches_anew;
         let checkpoint = self.with_numbers_of_cells(continued, keeps_cells, keeps_averages);
-        let (surfaces, begins_surfaces) = (Vec::new(), is_other_mesh || has_other_points);
+        let (surfaces, begins_surfaces) = (Vec::new(), is_other_mesh || changed.is_some());
         Ok(Start { checkpoint, warnings, surfaces, added_walls, begins_surfaces, searches_anew, is_measured_anew })
     }
 
-    /// The walls whose distributions begin at the start of this run, at `time`, and a warning of that.
+    /// The walls whose distributions begin at the start of this run, at `time`, and a warning of that. `changed` is what the flow has of another
+    /// kind.
     fn added_walls<const D: usize>(
         &self,
         case: &Case<D>,
         time: f64,
         is_other_mesh: bool,
-        has_other_points: bool,
+        changed: Option<&str>,
     ) -> (Vec<String>, Option<String>) {
         if is_other_mesh {
             return (surfaces::listed(case), None);
         }
-        if has_other_points {
-            return (surfaces::listed(case), surfaces::begun_anew(case, time));
+        if let Some(changed) = changed {
+            return (surfaces::listed(case), surfaces::begun_anew(case, time, changed));
         }
         let added = surfaces::added(case, &self.result.metadata.case_text);
         let late = surfaces::late_means(case, &added, time);
         (added, late)
     }
 
-    /// A warning if the run has not finished its search for a steady flow, and this one does not search.
-    fn unfinished_search<const D: usize>(
-        &self,
-        case: &Case<D>,
-        state: &State,
-        sums: &Arrays,
-    ) -> Result<Option<String>, RestartError> {
-        let searches =
-            searches_steady_flow(&self.result.metadata.case_text).map_err(|reason| self.unreadable(reason))?;
-        let found = sums.get("statistics.steady").is_some_and(|steady| !steady.is_empty());
-        let is_initial = state.slab == 0 && searches && !found && case.solver.steady.is_none();
-        Ok(is_initial.then(|| {
-            format!(
-                "the search for a steady flow in `{}` was not finished: this run begins with its initial state; `stsolve run --resume` finishes it",
-                self.path.display()
-            )
-        }))
-    }
-
-    /// A warning if `time.start` is neither that of the run nor the `time` from which this case goes on.
-    fn misunderstood_start<const D: usize>(&self, case: &Case<D>, time: f64) -> Result<Option<String>, RestartError> {
-        let there = start_of(&self.result.metadata.case_text).map_err(|reason| self.unreadable(reason))?;
-        let (start, time, round_off) = (case.time.start, rounded_time(time), 1e-9 * case.time.step);
-        let is_meant = |other: f64| (start - other).abs() <= round_off;
-        Ok((start != 0.0 && !is_meant(there) && !is_meant(time)).then(|| {
-            format!(
-                "`time.start` = {start} is not where this run begins: it goes on from t = {time}, where `{}` stands, and only its slabs count from \
-                 `time.start`; leave that key out",
-                self.path.display()
-            )
-        }))
-    }
-
-    /// Whether one of these `tables` of `case` is another than in the run.
+    /// Whether one of these `tables` of the lasting part of `case` is another than in the run.
     fn is_other<const D: usize>(&self, case: &Case<D>, tables: &[&str]) -> Result<bool, RestartError> {
-        let found = differences(&self.result.metadata.case_text, &case.about.resolved);
-        let found = found.map_err(|reason| self.unreadable(reason))?.lasting;
-        let is_in = |key: &str, table: &&str| {
-            key.strip_prefix(*table).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
-        };
+        let found = self.differences(case)?.lasting;
         Ok(found.iter().any(|difference| tables.iter().any(|table| is_in(&difference.key, table))))
+    }
+
+    /// What the cases of the run and of this one do not share.
+    fn differences<const D: usize>(&self, case: &Case<D>) -> Result<Differences, RestartError> {
+        differences(&self.result.metadata.case_text, &case.about.resolved).map_err(|reason| self.unreadable(reason))
     }
 
     /// Whether the flow of `case` has other integrals over the cells.
@@ -381,4 +359,9 @@ impl Origin {
     fn differs(&self, quantity: &'static str, there: impl Into<String>, here: impl Into<String>) -> RestartError {
         RestartError::Differs { path: self.path.clone(), quantity, there: there.into(), here: here.into() }
     }
+}
+
+/// Whether a key is `table` or stands in it.
+fn is_in(key: &str, table: &str) -> bool {
+    key.strip_prefix(table).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }

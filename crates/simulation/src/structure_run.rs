@@ -114,6 +114,19 @@ impl<const D: usize> StructureRun<'_, D> {
         factor.filter(|_| moved <= LITTLE * body.mesh().diameter())
     }
 
+    /// The natural frequencies about the equilibrium reached, if it is stable and its loads change them.
+    fn loaded_frequencies(&self) -> Vec<f64> {
+        let count = self.structure.natural_modes;
+        if count == 0 || self.stability.is_none_or(|stability| stability.is_unstable()) {
+            return Vec::new();
+        }
+        let modes = self.march.natural_modes(count).unwrap_or_else(|error| {
+            tracing::warn!("no natural frequencies under the loads: {error}");
+            None
+        });
+        modes.iter().flatten().map(NaturalMode::frequency).collect()
+    }
+
     /// The structure as a body that no flow moves.
     fn as_body(&self, context: &RunContext) -> BodyState {
         let at_points = |field: &[f64]| self.observed.points.iter().flat_map(|point| point.value::<D>(field)).collect();
@@ -187,6 +200,7 @@ impl<const D: usize> Run for StructureRun<'_, D> {
         if let (Some(structure), Some(stability)) = (&mut summary.structure, self.stability) {
             structure.least_stiffness = Some(stability.stiffness);
             structure.buckling_factor = self.buckling_factor();
+            structure.loaded_frequencies = self.loaded_frequencies();
         }
         if let Some(record) = context.statistics.bodies.first() {
             let mut body = summary::of_elastic_body(self.structure, &self.as_body(context), record);

@@ -267,6 +267,7 @@ pub fn of_structure<const D: usize>(
     summary.unknowns.structure = Some(free * case.time.order);
     summary.structure = Some(StructureSummary {
         natural_frequencies: modes.iter().map(NaturalMode::frequency).collect(),
+        loaded_frequencies: Vec::new(),
         least_stiffness: None,
         buckling_factor: None,
         energy_at_start: balance.energy_at_start,

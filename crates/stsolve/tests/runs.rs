@@ -309,3 +309,17 @@ fn the_default_directory_is_named_after_the_case() {
         .expect(0, &[]);
     assert!(directory.path().join("runs/free_stream/summary.json").exists());
 }
+
+/// Roe's flux damps a vortex at a Mach number of 0.01 with the speed of sound.
+#[test]
+fn a_slow_vortex_is_more_accurate_with_the_flux_for_low_mach_numbers() {
+    let error = |riemann: &str| {
+        let (directory, flux) = (TempDir::new().unwrap(), format!("flow.riemann={riemann}"));
+        let slow = ["flow.exact.vortex.free_stream.mach=0.01", "flow.exact.vortex.strength=0.004"];
+        let summary = finished(directory.path(), "vortex", &[&flux, slow[0], slow[1], "time.end=1"]);
+        number(&summary, "error.momentum_l2")
+    };
+    let [roe, low_mach] = ["roe", "low_mach_roe"].map(error);
+    println!("roe {roe:.3e}, low_mach_roe {low_mach:.3e}");
+    assert!(low_mach < 0.5 * roe, "{low_mach:e} for {roe:e}");
+}

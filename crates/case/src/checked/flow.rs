@@ -216,7 +216,7 @@ fn assembled<const D: usize>(
         order,
         law: NavierStokes {
             gas,
-            riemann: riemann(raw.riemann),
+            riemann: riemann(raw.riemann, speed),
             reference,
             source: meaning,
             volume_flux,
@@ -236,9 +236,10 @@ fn assembled<const D: usize>(
     }
 }
 
-fn riemann(raw: raw::Riemann) -> Riemann {
+fn riemann(raw: raw::Riemann, speed: f64) -> Riemann {
     match raw {
         raw::Riemann::Roe => Riemann::Roe,
+        raw::Riemann::LowMachRoe => Riemann::LowMachRoe { speed },
         raw::Riemann::Hllc => Riemann::Hllc,
         raw::Riemann::LaxFriedrichs => Riemann::LaxFriedrichs,
     }

@@ -36,7 +36,8 @@ pub(super) fn mesh<const D: usize>(
     Mesh::of_regions(degree + 1, corners, coordinates, boundaries, pairs, regions).map_err(refused)
 }
 
-/// The elements of dimension D, each once: an element of two physical groups is listed twice in version 2.2.
+/// The elements of dimension D, each once: an element of two physical groups is listed twice in version 2.2. Programs may begin the second list
+/// of nodes elsewhere.
 fn elements<const D: usize>(file: &File) -> Result<Vec<&Element>, GmshError> {
     let count = |dimension| file.elements.iter().filter(|element| element.kind.dimension() == dimension).count();
     let (surface, volume) = (count(2), count(3));
@@ -45,7 +46,14 @@ fn elements<const D: usize>(file: &File) -> Result<Vec<&Element>, GmshError> {
     }
     let mut seen = BTreeSet::new();
     let elements = file.elements.iter().filter(|element| element.kind.dimension() == D);
-    Ok(elements.filter(|element| seen.insert(&element.nodes)).collect())
+    Ok(elements.filter(|element| seen.insert(sorted(&element.nodes))).collect())
+}
+
+/// The nodes of an element, the same for every order in which they are listed.
+fn sorted(nodes: &[u64]) -> Vec<u64> {
+    let mut nodes = nodes.to_vec();
+    nodes.sort_unstable();
+    nodes
 }
 
 fn common_degree(elements: &[&Element]) -> Result<usize, GmshError> {
@@ -98,10 +106,11 @@ fn keep_first(sides: &mut Vec<Side>) {
 
 /// The cells of each physical group of dimension D, by its name.
 fn regions<const D: usize>(file: &File, elements: &[&Element], cells: &Cells<D>) -> Vec<Region> {
-    let index: BTreeMap<&[u64], usize> = elements.iter().enumerate().map(|(k, cell)| (&cell.nodes[..], k)).collect();
+    let index: BTreeMap<Vec<u64>, usize> =
+        elements.iter().enumerate().map(|(k, cell)| (sorted(&cell.nodes), k)).collect();
     let mut groups: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
     for element in file.elements.iter().filter(|element| element.kind.dimension() == D) {
-        let of_element = cells.of_element(index[&element.nodes[..]]);
+        let of_element = cells.of_element(index[&sorted(&element.nodes)]);
         element.groups.iter().for_each(|&group| groups.entry(group).or_default().extend(of_element.clone()));
     }
     let named = by_name(groups.into_iter().map(|(group, cells)| (file.name(D, group), cells)));

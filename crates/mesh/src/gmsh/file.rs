@@ -67,7 +67,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<File, GmshError> {
         }
         match (header, version) {
             ("PhysicalNames", _) => file.names = physical_names(&mut source)?,
-            ("Entities", Version::Four) => entities = version4::entities(&mut source)?,
+            ("Entities", Version::Four) => entities.extend(version4::entities(&mut source)?),
+            ("PartitionedEntities", Version::Four) => entities.extend(version4::partitioned_entities(&mut source)?),
             ("Nodes", Version::Two) => file.nodes = version2::nodes(&mut source)?,
             ("Nodes", Version::Four) => file.nodes = version4::nodes(&mut source)?,
             ("Elements", Version::Two) => file.elements = version2::elements(&mut source)?,

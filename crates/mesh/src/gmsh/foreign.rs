@@ -21,7 +21,12 @@ const BEGINNINGS: [(&[u8], &str); 7] = [
 
 /// The format of a file that is not Gmsh's, if it is known.
 pub(super) fn format(bytes: &[u8]) -> Option<&'static str> {
-    let known = BEGINNINGS.iter().find(|(beginning, _)| bytes.starts_with(beginning)).map(|(_, name)| *name);
+    let text = bytes.trim_ascii_start();
+    let begins = |beginning: &[u8]| {
+        let first = text.get(..beginning.len());
+        bytes.starts_with(beginning) || first.is_some_and(|first| first.eq_ignore_ascii_case(beginning))
+    };
+    let known = BEGINNINGS.iter().find(|(beginning, _)| begins(beginning)).map(|(_, name)| *name);
     known.or_else(|| is_su2(bytes).then_some("an SU2 mesh"))
 }
 

@@ -240,3 +240,32 @@ fn physical_surfaces_become_regions_and_lines_between_them_interfaces() {
     assert_eq!(rest.part(&["plate"]).unwrap().mesh.boundary_names(), ["wall", "wet"]);
     assert_eq!(rest.part_without(&["plate"]).unwrap(), rest.part(&[crate::REST]).unwrap());
 }
+
+/// A node far away that no element uses let the surface of a body pass as a plane mesh.
+#[test]
+fn nodes_that_no_element_uses_hide_no_slope() {
+    let far = SQUARE_2.replace("9 5 5 5", "9 1e9 5 5");
+    assert!(read(&far).is_ok());
+    let error = spoiled(&far, "4 0 1 1\n9", "4 0 1 1.1\n9");
+    assert_eq!(error, GmshError::NotPlane { node: 4, z: 1.1, first: 1.0, tilted: false });
+}
+
+/// Elements of a mesh that Gmsh has partitioned belong to parts of entities: it seemed to have no names.
+#[test]
+fn a_partitioned_mesh_has_its_names() {
+    let (before, rest) = SQUARE_4.split_once("$Entities").unwrap();
+    let (_, after) = rest.split_once("$EndEntities\n").unwrap();
+    let parts = "$Entities\n0 0 0 0\n$EndEntities\n$PartitionedEntities\n2\n1\n5 1\n1 2 1 0\n1 0 3 1 1 0 0 0 0
+1 1 4 2 1 2 0 0 0 1 1 1 1 7 0\n2 1 5 1 2 0 0 0 1 1 1 1 8 2 1 -1\n1 2 4 1 1 0 0 0 1 1 1 0 0\n$EndPartitionedEntities\n";
+    let mesh = read(&format!("{before}{parts}{after}")).unwrap();
+    assert_eq!(mesh.boundary_names(), ["wall of glass", "8"]);
+}
+
+/// A cell that was listed twice, from another corner on, was blamed on its sides.
+#[test]
+fn a_cell_is_the_same_from_every_corner_on() {
+    let twice =
+        SQUARE_2.replace("$Elements\n6", "$Elements\n7").replace("1 2 3 4\n$End", "1 2 3 4\n7 3 2 5 1 2 3 4 1\n$End");
+    let mesh = read(&twice).unwrap();
+    assert_eq!((mesh.n_cells(), mesh.regions().len()), (1, 2));
+}

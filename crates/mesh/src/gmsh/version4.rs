@@ -11,6 +11,21 @@ pub(super) type Entities = BTreeMap<(i64, i64), Vec<i64>>;
 /// `$Entities`: the numbers of points, curves, surfaces and volumes, then each of them. An entity has a number, a
 /// position or bounding box, physical groups, and, except for points, the entities of its boundary.
 pub(super) fn entities(source: &mut Source) -> Result<Entities, GmshError> {
+    all_entities(source, false)
+}
+
+/// `$PartitionedEntities`: the numbers of partitions and of ghost entities, and each ghost entity with its partition. Then follows the same as in
+/// `$Entities`, but after its number an entity has the dimension and number of the divided entity, and partitions.
+pub(super) fn partitioned_entities(source: &mut Source) -> Result<Entities, GmshError> {
+    source.size("the number of partitions")?;
+    for _ in 0..source.size("the number of ghost entities")? {
+        source.int("the number of a ghost entity")?;
+        source.int("the partition of a ghost entity")?;
+    }
+    all_entities(source, true)
+}
+
+fn all_entities(source: &mut Source, are_parts: bool) -> Result<Entities, GmshError> {
     let mut counts = [0; 4];
     for count in &mut counts {
         *count = source.size("the number of points, curves, surfaces or volumes")?;
@@ -19,6 +34,11 @@ pub(super) fn entities(source: &mut Source) -> Result<Entities, GmshError> {
     for (dimension, count) in (0..).zip(counts) {
         for _ in 0..count {
             let number = source.int("the number of an entity")?;
+            if are_parts {
+                source.int("the dimension of a divided entity")?;
+                source.int("the number of a divided entity")?;
+                integers(source, "the partitions of an entity")?;
+            }
             for _ in 0..if dimension == 0 { 1 } else { 2 } {
                 source.point("the position or bounding box of an entity")?;
             }

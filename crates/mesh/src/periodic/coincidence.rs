@@ -17,7 +17,7 @@ const EDGE_FRACTION: f64 = 0.25;
 const SHAPE_FRACTION: f64 = 1e-4;
 
 /// No tolerance is below this many units in the last place of the largest coordinate.
-const LAST_PLACES: f64 = 16.0;
+pub(super) const LAST_PLACES: f64 = 16.0;
 
 /// How close the nodes of two faces must be, and how alike their distances.
 #[derive(Clone, Copy)]

@@ -1,10 +1,11 @@
 //! Positions of nodes that periodicity identifies.
 
-use super::coincidence::{distance, last_place};
+use super::coincidence::{TOLERANCE, distance, last_place};
 use crate::facet::face_nodes;
 use crate::numbering::numbered;
 use crate::{InteriorFacet, Mesh};
 use std::collections::{BTreeMap, BTreeSet};
+use tensor::norm;
 
 /// Nodes that are a translation apart up to this many units in the last place match exactly, and stay where they are.
 const LAST_PLACES: f64 = 64.0;
@@ -66,11 +67,17 @@ fn add_links<const D: usize>(
     let Some(first) = pairs.first().map(|&pair| difference(pair)) else { return };
     let deviation = |pair: &(usize, usize), i: usize| difference(*pair)[i] - first[i];
     let mean = |i| pairs.iter().map(|pair| deviation(pair, i)).sum::<f64>() / pairs.len() as f64;
-    let translation: [f64; D] = std::array::from_fn(|i| first[i] + mean(i));
+    let translation = without_noise(std::array::from_fn(|i| first[i] + mean(i)));
     for (a, b) in pairs {
         links.entry(a).or_default().push((b, translation));
         links.entry(b).or_default().push((a, translation.map(|x| -x)));
     }
+}
+
+/// A translation along an axis has no part across it: that of nodes with few digits would move walls along the axis out of their planes.
+fn without_noise<const D: usize>(translation: [f64; D]) -> [f64; D] {
+    let least = TOLERANCE * norm(&translation);
+    translation.map(|x| if x.abs() <= least { 0.0 } else { x })
 }
 
 /// The numbers of the nodes on both sides of `facet`.

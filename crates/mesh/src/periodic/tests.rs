@@ -216,3 +216,41 @@ fn one_wrong_point_does_not_change_the_translation() {
     let found = translation(&from, &to);
     assert!((found[0] - 0.25).abs() < 1e-15 && found[1] == -2.0, "{found:?}");
 }
+
+/// Nodes of periodic sides moved walls between these sides out of their planes, by the mean of their noise.
+#[test]
+fn aligned_nodes_stay_on_planes_along_the_translation() {
+    let frame = BoxMesh {
+        lower: [0.0; 2],
+        upper: [1.0; 2],
+        cells: [2; 2],
+        order: 4,
+        curving: Curving::None,
+        periodic: [false; 2],
+    };
+    let mut mesh = frame.build().unwrap();
+    let right = mesh.coordinates.as_chunks_mut::<2>().0.iter_mut().filter(|x| x[0] == 1.0);
+    right.filter(|x| x[1] > 0.0 && x[1] < 1.0).for_each(|x| x[1] += 1e-10 * x[1]);
+    let sides = |boundary| {
+        let facets = mesh.boundary_facets.iter().filter(move |facet| facet.boundary == boundary);
+        facets.map(|facet| facet.side).collect()
+    };
+    let boundaries = mesh.boundary_names.iter().cloned().zip((0..).map(sides)).collect();
+    let pair = PeriodicPair { minus: 0, plus: 1, translation: [1.0, 0.0] };
+    let mesh = Mesh::<2>::new(4, mesh.corners.clone(), mesh.coordinates.clone(), boundaries, vec![pair]).unwrap();
+    let heights = mesh.coordinates.as_chunks::<2>().0.iter().map(|x| x[1]);
+    assert!(heights.clone().all(|y| y == 0.0 || y > 0.01), "the bottom");
+    assert!(heights.clone().all(|y| y == 1.0 || y < 0.99), "the top");
+}
+
+/// Small cells far from the origin had gaps of the last place of their coordinates.
+#[test]
+fn no_gap_is_smaller_than_rounding() {
+    let far = |size: f64| {
+        let (lower, upper) = ([1e6; 2], [1e6 + size; 2]);
+        let frame = BoxMesh { lower, upper, cells: [2; 2], order: 2, curving: Curving::None, periodic: [false; 2] };
+        gap_tolerance(&frame.build().unwrap())
+    };
+    assert!(far(0.1) > 1e-9 && far(0.1) < 1e-8, "{:e}", far(0.1));
+    assert!(far(1e3) > 1e-6, "{:e}", far(1e3));
+}

@@ -9,16 +9,23 @@ use tensor::{Over, Real, dot};
 /// Wave speeds below this fraction of the sound speed are smoothed.
 const SMOOTHING: f64 = 1e-2;
 
-/// (F- + F+) / 2 - |A - v_n| (u+ - u-) / 2, with A the Jacobian of F_c . n at Roe's average.
+/// (F- + F+) / 2 - |A - v_n| (u+ - u-) / 2, with A the Jacobian of F_c . n at Roe's average. With a `speed` U of the flow
+///
+/// ```text
+/// d w_n := z d w_n,     z = min(1, max(U, |w_n - v_n|) / c)                                                  (low Mach)
+/// ```
+///
+/// in the waves of sound. Without z they damp a slow flow with the speed of sound (Rieper, J. Comput. Phys. 230, 2011, with |w| / c for z,
+/// which depends on the observer).
 #[inline(always)]
 pub(super) fn flux<T: Over<G>, G: Real, const D: usize, const M: usize>(
-    gas: &Gas,
+    (gas, speed): (&Gas, Option<f64>),
     minus: &Side<T, D, M>,
     plus: &Side<T, D, M>,
     n: &[G; D],
     v_n: G,
 ) -> [T; M] {
-    let upwind = dissipation(gas, minus, plus, n, v_n);
+    let upwind = dissipation((gas, speed), minus, plus, n, v_n);
     let mut flux = minus.flux;
     for c in 0..M {
         flux[c] = (minus.flux[c] + plus.flux[c] - upwind[c]) * 0.5;
@@ -36,7 +43,7 @@ pub(super) fn flux<T: Over<G>, G: Real, const D: usize, const M: usize>(
 /// ```
 #[inline(always)]
 fn dissipation<T: Over<G>, G: Real, const D: usize, const M: usize>(
-    gas: &Gas,
+    (gas, speed): (&Gas, Option<f64>),
     minus: &Side<T, D, M>,
     plus: &Side<T, D, M>,
     n: &[G; D],
@@ -53,7 +60,7 @@ fn dissipation<T: Over<G>, G: Real, const D: usize, const M: usize>(
 
     let width = c * SMOOTHING;
     let convected = smooth_abs(relative, width);
-    let push = density * c * w_n_jump;
+    let push = density * speed.map_or(c, |speed| slowed(c, relative, speed)) * w_n_jump;
     let left = smooth_abs(relative - c, width) * (p_jump - push) * inverse * 0.5;
     let right = smooth_abs(relative + c, width) * (p_jump + push) * inverse * 0.5;
     let entropy = convected * (plus.density - minus.density - p_jump * inverse);
@@ -67,6 +74,12 @@ fn dissipation<T: Over<G>, G: Real, const D: usize, const M: usize>(
     }
     let energy = (left + right) * enthalpy + entropy * dot(&w, &w) * 0.5 + difference * w_n + shear * dot(&w, &w_jump);
     components(sum, &momentum, energy)
+}
+
+/// z c of (low Mach).
+#[inline(always)]
+fn slowed<T: Real>(c: T, relative: T, speed: f64) -> T {
+    relative.abs().max(c.zero() + speed).min(c)
 }
 
 /// |x|, replaced by (x^2 / width + width) / 2 where |x| < width: continuously differentiable (Harten 1983).

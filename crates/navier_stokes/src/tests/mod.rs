@@ -129,7 +129,8 @@ pub(super) fn gas() -> Gas {
     Gas::new(1.4, 0.7, 0.72, viscosity).unwrap()
 }
 
-pub(super) const SOLVERS: [Riemann; 3] = [Riemann::LaxFriedrichs, Riemann::Hllc, Riemann::Roe];
+pub(super) const SOLVERS: [Riemann; 4] =
+    [Riemann::LaxFriedrichs, Riemann::Hllc, Riemann::Roe, Riemann::LowMachRoe { speed: 0.7 }];
 
 pub(super) fn law<const D: usize>(riemann: Riemann) -> NavierStokes<D> {
     let gas = gas();

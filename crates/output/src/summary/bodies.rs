@@ -9,6 +9,9 @@ use std::collections::BTreeMap;
 pub struct StructureSummary {
     /// Natural frequencies, periods per unit of time, in increasing order.
     pub natural_frequencies: Vec<f64>,
+    /// The same of vibrations about the equilibrium at the end of a static analysis, under its loads.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub loaded_frequencies: Vec<f64>,
     /// The least stiffness under the loads at the end of a static analysis, relative to that without loads.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub least_stiffness: Option<f64>,

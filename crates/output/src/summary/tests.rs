@@ -73,6 +73,7 @@ fn steady() -> Steady {
 fn structure() -> StructureSummary {
     StructureSummary {
         natural_frequencies: vec![0.5, 1.5],
+        loaded_frequencies: vec![0.25, 1.375],
         least_stiffness: Some(-0.25),
         buckling_factor: Some(0.8),
         energy_at_start: 1.0,
@@ -145,7 +146,7 @@ fn contract() -> Value {
                              "drag_coefficient": 0.12, "lift_coefficient": 1.5, "moment_coefficient": -0.5 } },
         "openings": { "outlet": { "mass_flow": 0.25,
                                   "backflow": { "since": 0.5, "share": 0.0, "largest_share": 0.125 } } },
-        "structure": { "natural_frequencies": [0.5, 1.5], "least_stiffness": -0.25, "buckling_factor": 0.8, "energy_at_start": 1.0, "energy": 1.25, "load_work": 0.5,
+        "structure": { "natural_frequencies": [0.5, 1.5], "loaded_frequencies": [0.25, 1.375], "least_stiffness": -0.25, "buckling_factor": 0.8, "energy_at_start": 1.0, "energy": 1.25, "load_work": 0.5,
                        "support_work": -0.125, "dissipation": 0.125, "energy_error": 1e-16, "iterations": 99 },
         "machine": { "processor": "Fast 3000", "processors": 2, "system": "linux x86_64" },
         "cost": { "wall_seconds": 2.5, "setup_seconds": 0.5, "peak_memory_bytes": 1_048_576,

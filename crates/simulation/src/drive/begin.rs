@@ -179,6 +179,8 @@ fn added_on_resume<const D: usize>(case: &Case<D>, session: &Session<'_>, time: 
     let with_last = || added.iter().zip(&last_times);
     let new: Vec<String> = with_last().filter(|(_, last)| last.is_none()).map(|(wall, _)| wall.clone()).collect();
     surfaces::late_means(case, &new, time).iter().for_each(|warning| tracing::warn!("{warning}"));
+    let gap = |(wall, last): (&String, &Option<f64>)| last.filter(|last| *last < time).map(|last| (wall.clone(), last));
+    with_last().filter_map(gap).for_each(|(wall, last)| tracing::warn!("{}", surfaces::interrupted(&wall, last, time)));
     Ok(with_last().filter(|(_, last)| last.is_none_or(|last| last < time)).map(|(wall, _)| wall.clone()).collect())
 }
 

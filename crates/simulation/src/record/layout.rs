@@ -4,6 +4,8 @@ use super::mesh_view::MeshView;
 use super::{average_fields, averages};
 use crate::averages::AverageSums;
 use crate::bodies::beside_flow;
+use crate::memory_estimate::averages_bytes;
+use crate::surfaces::columns;
 use case::Case;
 use fem::Layout;
 use output::{ArraySpec, Checksum, FieldSpec, FileLayout, Grid, Metadata, RestMesh};
@@ -63,6 +65,30 @@ pub(super) fn layout<const D: usize, const M: usize>(case: &Case<D>) -> FileLayo
         fields.extend(of_mesh.averages().iter().map(averages::spec));
     }
     FileLayout { grid: Grid { dimension: D, points_per_direction, cells: cells + beside }, fields, exact }
+}
+
+/// The bytes of the result file of a whole run: all numbers have 8, and indices compress to almost nothing.
+pub fn result_bytes<const D: usize, const M: usize>(case: &Case<D>) -> usize {
+    let FileLayout { grid, fields, exact } = layout::<D, M>(case);
+    let points = grid.cells * grid.points_per_direction.pow(D as u32);
+    let drawn: usize = fields.iter().map(|field| field.components).sum();
+    let step = exact.iter().map(ArraySpec::len).sum::<usize>() + points * (POSITION + drawn);
+    let steps = 1 + case.time.slabs.div_ceil(case.output.every);
+    let checkpoint = 2 * case.flow_unknowns() + averages_bytes(case) / 8;
+    8 * (steps * step + checkpoint + distributions(case))
+}
+
+/// The components of a position in the file.
+const POSITION: usize = 3;
+
+/// The numbers of the distributions along walls, at about as many points per facet as the flow has nodes there.
+fn distributions<const D: usize>(case: &Case<D>) -> usize {
+    let (Some(every), walls) = (case.output.surfaces_every, &case.output.surfaces) else { return 0 };
+    let names = case.mesh.boundary_names();
+    let is_listed = |facet: &&mesh::BoundaryFacet| walls.contains(&names[facet.boundary]);
+    let facets = case.mesh.boundary_facets().iter().filter(is_listed).count();
+    let of_point: usize = columns(D).iter().map(|column| column.components).sum();
+    facets * flow_order(case).pow(D as u32 - 1) * of_point * (1 + case.time.slabs.div_ceil(every))
 }
 
 /// A checksum of the parts that a run must share with the run that it continues: the `lasting` part of the case, and the

@@ -119,10 +119,15 @@ impl Origin {
 
 /// Drops averages and the quality of the mesh, which refer to cells of the other mesh, from the `sums` of a checkpoint.
 pub(super) fn forget_cells(sums: &mut Arrays) {
-    sums.retain(|name, _| !is_of_averages(name));
+    forget_averages(sums);
     for name in ["quality", "first_invalid", "first_invalid_sampled"] {
         sums.insert(format!("statistics.{name}"), Vec::new().into());
     }
+}
+
+/// Drops averages from the `sums` of a checkpoint.
+pub(super) fn forget_averages(sums: &mut Arrays) {
+    sums.retain(|name, _| !is_of_averages(name));
 }
 
 /// Replaces `values`, `[place][component]`, that are no gas by the means of the cells of their `places`. Returns their number.

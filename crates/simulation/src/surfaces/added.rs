@@ -14,13 +14,21 @@ pub fn listed<const D: usize>(case: &Case<D>) -> Vec<String> {
     case.output.surfaces.iter().filter(|_| case.output.surfaces_every.is_some()).cloned().collect()
 }
 
-/// A warning that the distributions of a run with other orders in space or another quadrature are not continued: their points are others.
-pub fn begun_anew<const D: usize>(case: &Case<D>, begin: f64) -> Option<String> {
+/// A warning that the distributions of a run are not continued, because the flow has another gas, order or quadrature: `changed` says which.
+pub fn begun_anew<const D: usize>(case: &Case<D>, begin: f64, changed: &str) -> Option<String> {
     let walls = listed(case).iter().map(|wall| format!("`{wall}`")).collect::<Vec<_>>().join(", ");
     let time = rounded_time(begin);
-    (!walls.is_empty()).then(|| {
-        format!("the distributions along {walls} begin anew at t = {time}: the flow has another order or quadrature")
-    })
+    (!walls.is_empty())
+        .then(|| format!("the distributions along {walls} begin anew at t = {time}: the flow has another {changed}"))
+}
+
+/// A warning that a series of distributions along `wall` ends before the time `begin` at which it goes on.
+pub fn interrupted(wall: &str, last: f64, begin: f64) -> String {
+    let [last, begin] = [last, begin].map(rounded_time);
+    format!(
+        "there are no distributions along `{wall}` between t = {last} and {begin}, and its means are straight lines in between: start a new run with \
+         `restart.from`, where they begin anew, if averages shall cover that time"
+    )
 }
 
 /// A warning if the means along the walls `added`, of which there is no distribution before the time `begin`, cover less than the other averages.

@@ -19,7 +19,7 @@ mod files;
 mod mean;
 mod section;
 
-pub use added::{added, begun_anew, late_means, listed};
+pub use added::{added, begun_anew, interrupted, late_means, listed};
 pub use case::surface_name;
 pub use columns::{Column, columns};
 pub use distribution::{FlowAt, SurfaceFlow, physical};

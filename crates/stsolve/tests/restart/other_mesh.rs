@@ -151,3 +151,21 @@ fn a_search_that_was_not_finished_is_told() {
     let marched = wall(3, [2.0, 1.0], "time = { order = 1, end = 0.1, step = 0.1 }");
     on_text(at, &marched, &[&from(at, "unfinished")], "marched", &[]).expect(0, &["was not finished", "--resume"]);
 }
+
+/// Keys of the start that are new in a restart of a run that has marched were ignored without a word.
+#[test]
+fn new_keys_of_the_start_are_told_to_have_no_effect() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let until =
+        |end: f64, rest: &str| wall(3, [2.0, 1.0], &format!("time = {{ order = 1, end = {end}, step = 0.1 }}\n{rest}"));
+    let layer = "solver.start_layer = 0.1";
+    on_text(at, &until(0.1, layer), &[], "marched", &[]).expect(0, &[]);
+    let from = [&from(at, "marched")[..]];
+    let same = on_text(at, &until(0.2, layer), &from, "same", &[]);
+    assert!(same.code == 0 && !same.stderr.contains("no effect"), "{}", same.stderr);
+    for (rest, key) in [("solver.start_layer = 0.2", "solver.start_layer"), ("solver.steady = {}", "solver.steady")] {
+        let told = format!("`{key}` has no effect here");
+        on_text(at, &until(0.2, rest), &from, key, &[]).expect(0, &[&told, "has marched to t = 0.1"]);
+    }
+}

@@ -10,11 +10,14 @@ fn message(bytes: &[u8]) -> String {
 #[test]
 fn formats_of_others_are_named() {
     let su2 = b"% two triangles\nNZONE= 1\n  NDIME = 2\nNELEM= 2\n5 0 1 2 0\n";
-    let known: [(&[u8], &str); 4] = [
+    let known: [(&[u8], &str); 6] = [
         (b"\x89HDF\r\n\x1a\n\0\0\0", "CGNS"),
         (b"@(#)ADF Database Version B02012>", "CGNS"),
         (su2, "SU2"),
         (b"NDIME=3", "SU2"),
+        // As Gmsh writes them.
+        (b" MeshVersionFormatted 2\n Dimension\n 3\n", "Medit"),
+        (b"*Heading\n box.inp\n*NODE\n", "Abaqus"),
     ];
     for (bytes, name) in known {
         assert!(message(bytes).contains(name) && message(bytes).contains("MSH 4.1"), "{}", message(bytes));

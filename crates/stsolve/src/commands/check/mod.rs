@@ -64,6 +64,8 @@ pub(super) struct Facts<'a, const D: usize> {
     prescribed: Vec<PrescribedNode<D>>,
     motion: Option<MotionScales>,
     memory: MemoryEstimate,
+    /// The size of the result file, in MB.
+    result_megabytes: f64,
     /// The solver of an elastic mesh.
     plan: Option<Plan>,
     walls: Option<Walls>,
@@ -86,6 +88,7 @@ impl<'a, const D: usize> Facts<'a, D> {
             motion: MotionScales::new(case, &prescribed),
             prescribed,
             memory: MemoryEstimate::new(case, plan.as_ref()),
+            result_megabytes: 1e-6 * case.result_bytes() as f64,
             plan,
             walls: flow.map(|flow| Walls::new(case, flow)),
             plate: flow
@@ -101,16 +104,6 @@ impl<'a, const D: usize> Facts<'a, D> {
     fn acoustic_cfl(&self, flow: &Flow<D>) -> f64 {
         let wave = flow.reference_speed * (1.0 + 1.0 / flow.law.reference.mach());
         wave * self.case.time.step / self.smallest_size * (flow.order as f64 - 1.0)
-    }
-
-    /// The size of coefficients and fields of the slabs that are written, in MB.
-    fn result_megabytes(&self) -> f64 {
-        let coordinates = self.case.mesh.coordinates().len() / D;
-        let averages = self.case.averages.as_ref().map_or(0, |averages| averages.fields.len());
-        let fields = self.case.output.fields.len() + 2 * averages;
-        let (points, slabs) = (coordinates * (3 + 2 * fields), self.case.time.slabs);
-        let coefficients = self.case.flow_unknowns() + D * coordinates * self.case.time.order;
-        8e-6 * (points + coefficients) as f64 * (slabs / self.case.output.every + 2) as f64
     }
 }
 

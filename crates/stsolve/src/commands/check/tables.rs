@@ -228,7 +228,7 @@ fn cost_table<const D: usize>(facts: &Facts<'_, D>) -> Table {
     if let Some(steady) = memory.steady {
         table.row("steady flow", megabytes(steady.iter().sum()), "MB, in the place of these, with its coarse level");
     }
-    table.row("result file", facts.result_megabytes(), "MB");
+    table.row("result file", facts.result_megabytes, "MB");
     table
 }
 

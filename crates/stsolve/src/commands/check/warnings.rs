@@ -207,8 +207,12 @@ fn mach<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
             format!("{mach:.2}: shocks may form, and nothing captures them: `shock_capturing = {{}}` in `[flow]`"),
         ),
         _ if mach < 0.02 => {
+            let remedy = match flow.law.riemann {
+                Riemann::LowMachRoe { .. } => "",
+                _ => ", and `flow.riemann = \"low_mach_roe\"` loses less",
+            };
             let text = format!(
-                "{mach:.1e}: fluxes for compressible flow lose accuracy in flow so slow: 0.02 to 0.2 differs little from 0"
+                "{mach:.1e}: fluxes for compressible flow lose accuracy in flow so slow: 0.02 to 0.2 differs little from 0{remedy}"
             );
             warning("Mach number", text)
         }
@@ -238,7 +242,7 @@ fn incompressible<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
 }
 
 fn file_size<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
-    let size = facts.result_megabytes();
+    let size = facts.result_megabytes;
     if size <= LARGE_FILE {
         return None;
     }

@@ -17,10 +17,9 @@
 //! Method: LOBPCG with one vector (Knyazev 2001). The low-order matrix of K_0 preconditions. Most eigenvalues of the pencil (K, K_0) are
 //! near one, so few iterations find the lowest.
 
-use crate::ElasticityError;
-use crate::modes;
+use super::Statics;
 use crate::ritz::{Pencil, add_scaled};
-use crate::statics::Statics;
+use crate::{ElasticityError, NaturalMode, modes};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 
 /// The change of mu in an iteration at which it has converged.
@@ -54,10 +53,10 @@ impl<const D: usize> Statics<D> {
     /// # Errors
     /// [`ElasticityError::NotDefinite`] if `d` has an entry that is not a number.
     pub fn stability(&self, d: &[f64]) -> Result<Option<Stability>, ElasticityError> {
-        if self.structure().law().is_linear() || !self.loads().pressures.is_empty() {
+        if !self.loads_change_stiffness() {
             return Ok(None);
         }
-        let structure = self.structure();
+        let structure = &self.structure;
         let pencil = Pencil {
             k: &|x, out| structure.apply_stiffness_at(d, x, out),
             m: &|x, out| structure.apply_stiffness(x, out),
@@ -83,14 +82,28 @@ impl<const D: usize> Statics<D> {
         Ok(Some(Stability { stiffness: mu }))
     }
 
+    /// The `count` modes of lowest frequency of small vibrations about the stable equilibrium `d`, (modes) with K at `d`. None where
+    /// [`Self::stability`] is none.
+    ///
+    /// # Errors
+    /// As [`modes::natural_modes`].
+    pub fn natural_modes(&self, d: &[f64], count: usize) -> Result<Option<Vec<NaturalMode>>, ElasticityError> {
+        self.loads_change_stiffness().then(|| modes::natural_modes_at(&self.structure, d, count)).transpose()
+    }
+
+    /// Whether K at an equilibrium differs from K at rest, and is symmetric.
+    fn loads_change_stiffness(&self) -> bool {
+        !self.structure.law().is_linear() && self.loads.pressures.is_empty()
+    }
+
     /// P^{-1} (K x - mu K_0 x)
     fn preconditioned_gradient(&self, pencil: &Pencil<'_>, mu: f64, x: &[f64]) -> Vec<f64> {
         let (mut gradient, mut at_rest, mut z) = (vec![0.0; x.len()], vec![0.0; x.len()], vec![0.0; x.len()]);
         (pencil.k)(x, &mut gradient);
         (pencil.m)(x, &mut at_rest);
         add_scaled(-mu, &at_rest, &mut gradient);
-        self.structure().at_fixed(&mut gradient, |_| 0.0);
-        self.stiffness_at_rest().low_order.apply(&gradient, &mut z);
+        self.structure.at_fixed(&mut gradient, |_| 0.0);
+        self.stiffness.low_order.apply(&gradient, &mut z);
         z
     }
 }

@@ -1,0 +1,73 @@
+//! Warnings about keys of the start that a restart does not take as they may be meant.
+
+use super::{Origin, RestartError, is_in};
+use case::{Case, searches_steady_flow, start_of};
+use coupled::{State, rounded_time};
+use output::Arrays;
+
+impl Origin {
+    /// Warnings about the start of `case` from the `state` of the run, which has the given `sums`.
+    pub(super) fn start_warnings<const D: usize>(
+        &self,
+        case: &Case<D>,
+        state: &State,
+        sums: &Arrays,
+    ) -> Result<Vec<String>, RestartError> {
+        let start = self.misunderstood_start(case, state.time)?;
+        let search = self.unfinished_search(case, state, sums)?;
+        let unused = self.unused_keys(case, state)?;
+        Ok(start.into_iter().chain(search).chain(unused).collect())
+    }
+
+    /// Warnings about keys that are new in `case` and act at the start of a run only, although the run has marched.
+    fn unused_keys<const D: usize>(&self, case: &Case<D>, state: &State) -> Result<Vec<String>, RestartError> {
+        if state.slab == 0 {
+            return Ok(Vec::new());
+        }
+        let keys = [
+            ("solver.steady", case.solver.steady.is_some()),
+            ("solver.start_layer", case.solver.start_layer.is_some_and(|thickness| thickness > 0.0)),
+        ];
+        let found = self.differences(case)?.all;
+        let is_new = |key: &str| found.iter().any(|difference| is_in(&difference.key, key));
+        let unused = keys.into_iter().filter(|(key, is_set)| *is_set && is_new(key));
+        let (path, time) = (self.path.display(), rounded_time(state.time));
+        let told = |key| {
+            format!("`{key}` has no effect here: it acts at the start of a run, and `{path}` has marched to t = {time}")
+        };
+        Ok(unused.map(|(key, _)| told(key)).collect())
+    }
+
+    /// A warning if the run has not finished its search for a steady flow, and this one does not search.
+    fn unfinished_search<const D: usize>(
+        &self,
+        case: &Case<D>,
+        state: &State,
+        sums: &Arrays,
+    ) -> Result<Option<String>, RestartError> {
+        let searches =
+            searches_steady_flow(&self.result.metadata.case_text).map_err(|reason| self.unreadable(reason))?;
+        let found = sums.get("statistics.steady").is_some_and(|steady| !steady.is_empty());
+        let is_initial = state.slab == 0 && searches && !found && case.solver.steady.is_none();
+        Ok(is_initial.then(|| {
+            format!(
+                "the search for a steady flow in `{}` was not finished: this run begins with its initial state; `stsolve run --resume` finishes it",
+                self.path.display()
+            )
+        }))
+    }
+
+    /// A warning if `time.start` is neither that of the run nor the `time` from which this case goes on.
+    fn misunderstood_start<const D: usize>(&self, case: &Case<D>, time: f64) -> Result<Option<String>, RestartError> {
+        let there = start_of(&self.result.metadata.case_text).map_err(|reason| self.unreadable(reason))?;
+        let (start, time, round_off) = (case.time.start, rounded_time(time), 1e-9 * case.time.step);
+        let is_meant = |other: f64| (start - other).abs() <= round_off;
+        Ok((start != 0.0 && !is_meant(there) && !is_meant(time)).then(|| {
+            format!(
+                "`time.start` = {start} is not where this run begins: it goes on from t = {time}, where `{}` stands, and only its slabs count from \
+                 `time.start`; leave that key out",
+                self.path.display()
+            )
+        }))
+    }
+}
