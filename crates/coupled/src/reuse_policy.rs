@@ -10,7 +10,8 @@
 //! It falls as long as the next excess e_{k+1} is less than it. A Jacobian ages faster and faster, so the next excess is estimated as twice
 //! the last one.
 
-/// B: 15 to 27 iterations on a heaving airfoil at N_s = 4 to 8 and N_t = 3.
+/// B: 15 to 27 iterations on a heaving airfoil at N_s = 4 to 8 and N_t = 3. On a blade at Re = 50,000, N_s = 5, 60 instead of 20 leads to 80 instead of
+/// 110 Jacobians in 300 slabs, and to 13 % more work.
 pub const FREEZING: usize = 20;
 
 /// If a Jacobian did not serve the slab after its own, this many slabs begin with a new one. Then a Jacobian is tried in two slabs again.

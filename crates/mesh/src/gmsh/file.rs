@@ -100,6 +100,10 @@ fn section<'a>(source: &mut Source<'a>) -> Result<Option<&'a str>, GmshError> {
 /// `$MeshFormat`: version, 0 for text or 1 for binary, size of a real. A binary file then has the number 1, which gives
 /// the byte order.
 fn format(source: &mut Source) -> Result<Version, GmshError> {
+    // Comments may stand before it.
+    while source.is_next("$Comments") {
+        source.skip_past("$EndComments")?;
+    }
     source.expect_line("$MeshFormat")?;
     let place = source.place();
     let expected = source.unexpected("a version, 0 (text) or 1 (binary), and 8 (bytes of a real)");

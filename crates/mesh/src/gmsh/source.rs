@@ -93,6 +93,12 @@ impl<'a> Source<'a> {
         }
     }
 
+    /// Whether the next line begins with `text`.
+    pub(super) fn is_next(&mut self, text: &str) -> bool {
+        self.skip_spaces();
+        self.bytes[self.position..].starts_with(text.as_bytes())
+    }
+
     /// Skips everything up to and including the line in which `end` stands.
     pub(super) fn skip_past(&mut self, end: &str) -> Result<(), GmshError> {
         let rest = &self.bytes[self.position..];
@@ -136,6 +142,17 @@ impl<'a> Source<'a> {
     /// Three of them: a position.
     pub(super) fn point(&mut self, what: &str) -> Result<[f64; 3], GmshError> {
         Ok([self.real(what)?, self.real(what)?, self.real(what)?])
+    }
+
+    /// The position of a node, which must be finite.
+    pub(super) fn position_of_node(&mut self) -> Result<[f64; 3], GmshError> {
+        let start = self.position;
+        let x = self.point("the position of a node")?;
+        if x.iter().all(|x| x.is_finite()) {
+            return Ok(x);
+        }
+        self.position = start;
+        Err(self.unexpected("the position of a node, in finite numbers"))
     }
 
     /// The next word of a text, as a number.

@@ -213,7 +213,9 @@ fn position(dimension: usize, lines: &mut KeywordLines, what: &str) -> Result<[f
     let (line, mut words) = lines.words(what)?;
     let mut position = [0.0; 3];
     for x in &mut position[..dimension] {
-        *x = next(line, &mut words, &format!("a coordinate of {what}"))?;
+        let word = words.next().unwrap_or("the end of the line");
+        let finite = word.parse().ok().filter(|x: &f64| x.is_finite());
+        *x = finite.ok_or_else(|| unexpected(line, &format!("a coordinate of {what}, a finite number"), word))?;
     }
     end(line, words)?;
     Ok(position)

@@ -269,3 +269,17 @@ fn a_cell_is_the_same_from_every_corner_on() {
     let mesh = read(&twice).unwrap();
     assert_eq!((mesh.n_cells(), mesh.regions().len()), (1, 2));
 }
+
+#[test]
+fn comments_may_stand_before_the_format() {
+    assert!(read(&format!("$Comments\nof two\n$EndComments\n$Comments\nlines\n$EndComments\n{SQUARE_2}")).is_ok());
+}
+
+/// A cell was named, but not the line of its node.
+#[test]
+fn a_position_that_is_not_finite_is_told_with_its_line() {
+    for number in ["nan", "-inf"] {
+        let error = spoiled(SQUARE_2, "2 2 0 1\n", &format!("2 2 {number} 1\n")).to_string();
+        assert!(error.starts_with("line 12: expected the position of a node, in finite numbers"), "{error}");
+    }
+}

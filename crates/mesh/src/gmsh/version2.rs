@@ -12,7 +12,7 @@ pub(super) fn nodes(source: &mut Source) -> Result<BTreeMap<u64, [f64; 3]>, Gmsh
     for _ in 0..text_count(source, "the number of nodes")? {
         let mark = source.mark();
         let number = unsigned(source, "the number of a node")?;
-        let position = source.point("the position of a node")?;
+        let position = source.position_of_node()?;
         source.once("node", number, mark, nodes.insert(number, position).is_none())?;
     }
     Ok(nodes)

@@ -72,7 +72,7 @@ pub(super) fn nodes(source: &mut Source) -> Result<BTreeMap<u64, [f64; 3]>, Gmsh
         let number = |_| -> Result<_, GmshError> { Ok((source.mark(), source.size("the number of a node")?)) };
         let numbers = (0..count).map(number).collect::<Result<Vec<_>, GmshError>>()?;
         for (mark, number) in numbers {
-            let position = source.point("the position of a node")?;
+            let position = source.position_of_node()?;
             source.once("node", number, mark, nodes.insert(number, position).is_none())?;
             for _ in 0..if parametric == 0 { 0 } else { dimension } {
                 source.real("a parameter of a node")?;
