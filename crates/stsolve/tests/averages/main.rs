@@ -287,3 +287,60 @@ fn averages_that_make_no_sense_are_refused() {
         stsolve(directory.path(), &["check", &case, "--set", change]).expect(2, &[message]);
     }
 }
+
+/// Averages, and means along walls, went on over a flow of another gas.
+#[test]
+fn another_gas_begins_averages_anew() {
+    let directory = TempDir::new().unwrap();
+    let averages = "output.averages={from=0.1,fields=[\"velocity\"]}";
+    let gas = |viscosity: f64| format!("flow.gas={{gamma=1.4,prandtl=0.72,viscosity={{constant={viscosity}}}}}");
+    let thin = [averages, &gas(0.01), "time.end=0.5", "time.slabs=2"];
+    on_text(directory.path(), FALLING, &thin, "thin", &[]).expect(0, &[]);
+    let thick = [averages, &gas(0.02), "restart={from=\"thin\",allow=[\"viscosity\"]}"];
+    let told = ["the averages begin at t = 0.5, and not at 0.1"];
+    on_text(directory.path(), FALLING, &thick, "thick", &[]).expect(0, &told);
+    let mean = &last(&directory.path().join("thick"), "mean_velocity")[..9];
+    assert_all(mean, 0.1 + 0.3 * power(1, [0.5, 1.0]), 1e-11, "thick");
+}
+
+/// The mean along a wall was a straight line over the time in which a resumed run kept no distributions there, without a word.
+#[test]
+fn a_gap_in_distributions_along_a_wall_is_told() {
+    let directory = TempDir::new().unwrap();
+    let walls = FALLING
+        .replace("[\"x\", \"y\"]", "[\"x\"]")
+        .replace("} }\n    time", "}, boundary.others = \"slip_wall\" }\n    time");
+    let go = |walled: &str, [end, slabs]: [&str; 2], extra: &[&str]| {
+        let (surfaces, end) = (format!("output.surfaces={{walls={walled},every=1}}"), format!("time.end={end}"));
+        let set = ["output.averages={from=0.1,fields=[\"velocity\"]}", &surfaces, &end, &format!("time.slabs={slabs}")];
+        on_text(directory.path(), &walls, &set, "run", extra)
+    };
+    go("[\"bottom\",\"top\"]", ["0.5", "2"], &[]).expect(0, &[]);
+    let fewer = go("[\"top\"]", ["0.75", "3"], &["--resume"]);
+    assert!(fewer.code == 0 && !fewer.stderr.contains("distributions"), "{}", fewer.stderr);
+    go("[\"bottom\",\"top\"]", ["1", "4"], &["--resume"])
+        .expect(0, &["there are no distributions along `bottom` between t = 0.5 and 0.75"]);
+}
+
+/// A tenth of the size of a file with averages was told.
+#[test]
+fn check_tells_the_size_of_a_result_with_averages() {
+    let directory = TempDir::new().unwrap();
+    let set = [
+        "mesh.generate.box.cells=[12,12]",
+        "flow.order=6",
+        "output.averages={from=0.1,fields=[\"velocity\",\"reynolds_stress\",\"kinetic_energy_budget\"]}",
+        "output.every=1",
+    ];
+    on_text(directory.path(), FALLING, &set, "run", &[]).expect(0, &[]);
+    let size = 1e-6 * fs::metadata(directory.path().join("run").join(RESULT_FILE)).unwrap().len() as f64;
+    let case = directory.path().join("large.toml");
+    fs::write(&case, FALLING).unwrap();
+    let sets = set.iter().flat_map(|set| ["--set", *set]);
+    let arguments: Vec<&str> = ["check", case.to_str().unwrap(), "--probe", "never"].into_iter().chain(sets).collect();
+    let table = stsolve(directory.path(), &arguments).stdout;
+    let row = table.lines().find(|line| line.contains("result file")).unwrap();
+    let told: f64 = row.split_whitespace().find_map(|word| word.parse().ok()).unwrap();
+    println!("{told} MB told, {size} MB found");
+    assert!((told / size - 1.0).abs() < 0.1, "{told} for {size}");
+}
