@@ -341,6 +341,5 @@ fn check_tells_the_size_of_a_result_with_averages() {
     let table = stsolve(directory.path(), &arguments).stdout;
     let row = table.lines().find(|line| line.contains("result file")).unwrap();
     let told: f64 = row.split_whitespace().find_map(|word| word.parse().ok()).unwrap();
-    println!("{told} MB told, {size} MB found");
     assert!((told / size - 1.0).abs() < 0.1, "{told} for {size}");
 }
