@@ -7,8 +7,8 @@ mod joint;
 mod tests;
 
 use crate::{InteriorFacet, Mesh, MeshError, Side};
-use coincidence::{LAST_PLACES, distance, last_place};
-pub(crate) use coincidence::{Place, TOLERANCE, coincident};
+use coincidence::distance;
+pub(crate) use coincidence::{LAST_PLACES, Place, TOLERANCE, coincident, last_place};
 pub(crate) use images::align_images;
 use joint::Joint;
 use std::collections::{BTreeMap, BTreeSet};
@@ -126,7 +126,7 @@ fn check_gap<const D: usize>(
 
 /// How far the nodes of neighbours may be apart: not less than the rounding of their coordinates.
 fn gap_tolerance<const D: usize>(mesh: &Mesh<D>) -> f64 {
-    (TOLERANCE * mesh.diameter()).max(LAST_PLACES * last_place(mesh))
+    (TOLERANCE * mesh.diameter()).max(LAST_PLACES * last_place::<D>(&mesh.coordinates))
 }
 
 /// Whether two faces with the same corners are the same face, and not for instance both halves of a round hole.

@@ -66,9 +66,14 @@ fn boundary_of_sides<const D: usize>(
 }
 
 /// The vertices of a face in increasing order: the same for all cells that share it.
-pub(crate) fn face_key(mut vertices: Vec<usize>) -> Vec<usize> {
-    vertices.sort_unstable();
-    vertices
+pub(crate) fn face_key(vertices: Vec<usize>) -> Vec<usize> {
+    sorted(vertices)
+}
+
+/// Numbers in increasing order: the same for every order in which they are listed.
+pub(crate) fn sorted<T: Ord>(mut numbers: Vec<T>) -> Vec<T> {
+    numbers.sort_unstable();
+    numbers
 }
 
 /// Pairs the faces that have the same vertices. A face without a partner must be in `owner`, a face with a partner must

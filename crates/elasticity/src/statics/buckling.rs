@@ -82,8 +82,8 @@ impl<const D: usize> Statics<D> {
         Ok(Some(Stability { stiffness: mu }))
     }
 
-    /// The `count` modes of lowest frequency of small vibrations about the stable equilibrium `d`, (modes) with K at `d`. None where
-    /// [`Self::stability`] is none.
+    /// The `count` modes of lowest frequency of small vibrations about the stable equilibrium `d`, (modes) with K at `d`. As for
+    /// [`Self::stability`], the result is None for a linear law and with follower pressures.
     ///
     /// # Errors
     /// As [`modes::natural_modes`].

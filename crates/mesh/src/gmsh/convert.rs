@@ -6,7 +6,7 @@ use super::shape::Shape;
 use super::split::{Corners, CutEdges, Splitter};
 use super::{GmshError, Simplices, plane};
 use crate::periodic::{joined_twice, translation};
-use crate::topology::face_key;
+use crate::topology::{face_key, sorted};
 use crate::{Mesh, MeshError, PeriodicPair, Region, Side};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -46,14 +46,7 @@ fn elements<const D: usize>(file: &File) -> Result<Vec<&Element>, GmshError> {
     }
     let mut seen = BTreeSet::new();
     let elements = file.elements.iter().filter(|element| element.kind.dimension() == D);
-    Ok(elements.filter(|element| seen.insert(sorted(&element.nodes))).collect())
-}
-
-/// The nodes of an element, the same for every order in which they are listed.
-fn sorted(nodes: &[u64]) -> Vec<u64> {
-    let mut nodes = nodes.to_vec();
-    nodes.sort_unstable();
-    nodes
+    Ok(elements.filter(|element| seen.insert(sorted(element.nodes.clone()))).collect())
 }
 
 fn common_degree(elements: &[&Element]) -> Result<usize, GmshError> {
@@ -107,10 +100,10 @@ fn keep_first(sides: &mut Vec<Side>) {
 /// The cells of each physical group of dimension D, by its name.
 fn regions<const D: usize>(file: &File, elements: &[&Element], cells: &Cells<D>) -> Vec<Region> {
     let index: BTreeMap<Vec<u64>, usize> =
-        elements.iter().enumerate().map(|(k, cell)| (sorted(&cell.nodes), k)).collect();
+        elements.iter().enumerate().map(|(k, cell)| (sorted(cell.nodes.clone()), k)).collect();
     let mut groups: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
     for element in file.elements.iter().filter(|element| element.kind.dimension() == D) {
-        let of_element = cells.of_element(index[&sorted(&element.nodes)]);
+        let of_element = cells.of_element(index[&sorted(element.nodes.clone())]);
         element.groups.iter().for_each(|&group| groups.entry(group).or_default().extend(of_element.clone()));
     }
     let named = by_name(groups.into_iter().map(|(group, cells)| (file.name(D, group), cells)));

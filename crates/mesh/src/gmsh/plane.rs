@@ -2,12 +2,12 @@
 
 use super::GmshError;
 use super::file::{Element, File};
+use crate::geometry::bounding_box;
+use crate::periodic::{LAST_PLACES, last_place};
 use tensor::{cross, dot, norm};
 
-/// z of a plane mesh is constant up to this times its size ...
+/// z of a plane mesh is constant up to this times its size, or up to the rounding of its coordinates.
 const PLANE: f64 = 1e-9;
-/// ... or this many units in the last place of its largest coordinate.
-const LAST_PLACES: f64 = 16.0;
 
 /// Nodes lie in one plane, of any direction, up to this times their size. It decides between two messages only.
 const TILTED: f64 = 1e-6;
@@ -15,29 +15,21 @@ const TILTED: f64 = 1e-6;
 /// The elements must lie at constant z.
 pub(super) fn check(file: &File, elements: &[&Element]) -> Result<(), GmshError> {
     // Of the elements alone: a file may have other nodes, far away.
-    let tolerance = tolerance(&positions(file, elements)?);
-    let mut first = None;
-    for element in elements {
-        for (&node, [_, _, z]) in element.nodes.iter().zip(file.positions::<3>(element)?) {
-            let first = *first.get_or_insert(z);
-            if (z - first).abs() > tolerance {
-                return Err(GmshError::NotPlane { node, z, first, tilted: is_plane(&positions(file, elements)?) });
-            }
-        }
+    let positions = positions(file, elements)?;
+    let Some(&[_, _, first]) = positions.first() else { return Ok(()) };
+    let tolerance = tolerance(positions.as_flattened());
+    let mut nodes = elements.iter().flat_map(|element| &element.nodes).zip(&positions);
+    match nodes.find(|(_, [_, _, z])| (z - first).abs() > tolerance) {
+        Some((&node, &[_, _, z])) => Err(GmshError::NotPlane { node, z, first, tilted: is_plane(&positions) }),
+        None => Ok(()),
     }
-    Ok(())
 }
 
-/// How far z may vary over these positions.
-fn tolerance(positions: &[[f64; 3]]) -> f64 {
-    let bounds = |i: usize| {
-        let along = positions.iter().map(|x| x[i]);
-        along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
-    };
-    let axes = [0, 1, 2].map(bounds);
-    let size = axes.iter().fold(0.0, |size: f64, [low, high]| size.max(high - low));
-    let largest = axes.iter().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs()));
-    (PLANE * size).max(LAST_PLACES * f64::EPSILON * largest)
+/// How far z may vary over these coordinates, `[point][3]`.
+fn tolerance(coordinates: &[f64]) -> f64 {
+    let (lower, upper) = bounding_box::<3>(coordinates);
+    let size = lower.iter().zip(upper).fold(0.0, |size: f64, (lower, upper)| size.max(upper - lower));
+    (PLANE * size).max(LAST_PLACES * last_place::<3>(coordinates))
 }
 
 /// The positions of the nodes of all elements.

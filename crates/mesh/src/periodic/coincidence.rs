@@ -17,7 +17,7 @@ const EDGE_FRACTION: f64 = 0.25;
 const SHAPE_FRACTION: f64 = 1e-4;
 
 /// No tolerance is below this many units in the last place of the largest coordinate.
-pub(super) const LAST_PLACES: f64 = 16.0;
+pub(crate) const LAST_PLACES: f64 = 16.0;
 
 /// How close the nodes of two faces must be, and how alike their distances.
 #[derive(Clone, Copy)]
@@ -41,7 +41,7 @@ pub(super) struct Tolerances {
 impl Tolerances {
     pub(super) fn new<const D: usize>(mesh: &Mesh<D>) -> Self {
         let largest = TOLERANCE * mesh.diameter();
-        Tolerances { largest, least: (LAST_PLACES * last_place(mesh)).min(largest) }
+        Tolerances { largest, least: (LAST_PLACES * last_place::<D>(&mesh.coordinates)).min(largest) }
     }
 
     /// For a face of a cell of order `order` with the nodes `nodes`, in the order of its lattice.
@@ -60,9 +60,9 @@ impl Tolerances {
     }
 }
 
-/// The unit in the last place of the largest coordinate of `mesh`.
-pub(super) fn last_place<const D: usize>(mesh: &Mesh<D>) -> f64 {
-    let (lower, upper) = bounding_box::<D>(&mesh.coordinates);
+/// The unit in the last place of the largest of `coordinates`, `[point][D]`.
+pub(crate) fn last_place<const D: usize>(coordinates: &[f64]) -> f64 {
+    let (lower, upper) = bounding_box::<D>(coordinates);
     f64::EPSILON * lower.iter().chain(&upper).fold(0.0, |largest: f64, x| largest.max(x.abs()))
 }
 

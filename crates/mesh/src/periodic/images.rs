@@ -25,7 +25,7 @@ pub(crate) fn align_images<const D: usize>(mesh: &mut Mesh<D>, joined: &[Vec<Int
     if joined.is_empty() {
         return;
     }
-    let tolerance = LAST_PLACES * last_place(mesh);
+    let tolerance = LAST_PLACES * last_place::<D>(&mesh.coordinates);
     if joined.iter().all(|facets| are_translates(mesh, facets, CERTAIN * tolerance)) {
         return;
     }

@@ -62,16 +62,21 @@ fn with_plate<const D: usize>(cells: [usize; D], on_plate: impl Fn(&[f64; D]) ->
     Mesh::new(2, corners, mesh.coordinates.clone(), boundaries, vec![]).unwrap()
 }
 
-/// The same mesh, with the pair of boundaries that could be joined.
-fn joined<const D: usize>(mesh: &Mesh<D>) -> Mesh<D> {
-    let pairs = mesh.translated_boundaries();
-    let pair = *pairs.iter().find(|pair| [pair.minus, pair.plus] == [0, 1]).unwrap();
+/// The same mesh, with its boundaries joined in `pairs`.
+fn in_pairs<const D: usize>(mesh: &Mesh<D>, pairs: Vec<PeriodicPair<D>>) -> Result<Mesh<D>, MeshError> {
     let sides = |boundary| {
         let facets = mesh.boundary_facets.iter().filter(move |facet| facet.boundary == boundary);
         facets.map(|facet| facet.side).collect()
     };
     let boundaries = mesh.boundary_names.iter().cloned().zip((0..).map(sides)).collect();
-    Mesh::new(mesh.order, mesh.corners.clone(), mesh.coordinates.clone(), boundaries, vec![pair]).unwrap()
+    Mesh::new(mesh.order, mesh.corners.clone(), mesh.coordinates.clone(), boundaries, pairs)
+}
+
+/// The same mesh, with the pair of boundaries that could be joined.
+fn joined<const D: usize>(mesh: &Mesh<D>) -> Mesh<D> {
+    let pairs = mesh.translated_boundaries();
+    let pair = *pairs.iter().find(|pair| [pair.minus, pair.plus] == [0, 1]).unwrap();
+    in_pairs(mesh, vec![pair]).unwrap()
 }
 
 /// Whether all facets join the cells at the same place of both sides, and no node moved.
@@ -148,14 +153,9 @@ fn shaken<const D: usize>(order: usize, error: f64) -> Result<Mesh<D>, MeshError
     for (x, number) in mesh.coordinates.as_chunks_mut::<D>().0.iter_mut().zip(numbers) {
         *x = std::array::from_fn(|i| x[i] + moves[number][i]);
     }
-    let sides = |boundary| {
-        let facets = mesh.boundary_facets.iter().filter(move |facet| facet.boundary == boundary);
-        facets.map(|facet| facet.side).collect()
-    };
-    let boundaries = mesh.boundary_names.iter().cloned().zip((0..).map(sides)).collect();
     let translation = |axis| std::array::from_fn(|i| if i == axis { 1.5 } else { 0.0 });
     let pairs = (0..D).map(|axis| PeriodicPair { minus: 2 * axis, plus: 2 * axis + 1, translation: translation(axis) });
-    Mesh::new(order, mesh.corners.clone(), mesh.coordinates.clone(), boundaries, pairs.collect())
+    in_pairs(&mesh, pairs.collect())
 }
 
 /// Nodes of a file with ten digits kept two positions, and a uniform flow stayed uniform only up to their distance.
@@ -231,13 +231,8 @@ fn aligned_nodes_stay_on_planes_along_the_translation() {
     let mut mesh = frame.build().unwrap();
     let right = mesh.coordinates.as_chunks_mut::<2>().0.iter_mut().filter(|x| x[0] == 1.0);
     right.filter(|x| x[1] > 0.0 && x[1] < 1.0).for_each(|x| x[1] += 1e-10 * x[1]);
-    let sides = |boundary| {
-        let facets = mesh.boundary_facets.iter().filter(move |facet| facet.boundary == boundary);
-        facets.map(|facet| facet.side).collect()
-    };
-    let boundaries = mesh.boundary_names.iter().cloned().zip((0..).map(sides)).collect();
     let pair = PeriodicPair { minus: 0, plus: 1, translation: [1.0, 0.0] };
-    let mesh = Mesh::<2>::new(4, mesh.corners.clone(), mesh.coordinates.clone(), boundaries, vec![pair]).unwrap();
+    let mesh = in_pairs(&mesh, vec![pair]).unwrap();
     let heights = mesh.coordinates.as_chunks::<2>().0.iter().map(|x| x[1]);
     assert!(heights.clone().all(|y| y == 0.0 || y > 0.01), "the bottom");
     assert!(heights.clone().all(|y| y == 1.0 || y < 0.99), "the top");
