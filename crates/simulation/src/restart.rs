@@ -27,7 +27,7 @@ use loaded::Loaded;
 use mesh::NodeNumbering;
 use navier_stokes::Conserved;
 use other_mesh::{forget_averages, forget_cells};
-use output::{Checkpoint, RESULT_FILE, ResultReader, Series};
+use output::{Arrays, Checkpoint, RESULT_FILE, ResultReader, Series};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -105,6 +105,37 @@ struct Origin {
     stored: Checkpoint,
 }
 
+/// What the case of a run has of another kind than that of the run that it continues.
+struct Changes {
+    /// The mesh.
+    mesh: bool,
+    /// The gas.
+    gas: bool,
+    /// The reference pressure, by another Mach number.
+    pressure: bool,
+    /// The integrals over cells.
+    quadrature: bool,
+    /// Rigid bodies or the structure.
+    bodies: bool,
+}
+
+impl Changes {
+    /// Why distributions along walls begin anew on the same mesh, for a run that goes on in the orders `to`, if they do.
+    fn of_distributions(&self, from: Orders, to: Orders) -> Option<&'static str> {
+        let has_other_points = from.flow != to.flow || from.mesh != to.mesh || self.quadrature;
+        match (self.gas, has_other_points) {
+            (true, _) => Some("gas"),
+            (false, true) => Some("order or quadrature"),
+            (false, false) => None,
+        }
+    }
+
+    /// Whether the energies of flow and bodies are measured in another way.
+    fn of_energies(&self) -> bool {
+        self.mesh || self.pressure || self.quadrature || self.bodies
+    }
+}
+
 impl Origin {
     /// Its state, as a state of `case`.
     fn continued<const D: usize, const M: usize>(
@@ -113,58 +144,92 @@ impl Origin {
         flow: &Flow<D>,
         mover: &MeshMover<D>,
     ) -> Result<Start, RestartError> {
-        let is_other_mesh = self.check_mesh(case)?;
-        let gas_changed = self.check_flow(case)?;
+        let changes = self.changes(case)?;
         self.check_bodies(case)?;
-        let mut sums = self.sums(case, flow)?;
-        if is_other_mesh {
-            forget_cells(&mut sums);
-        }
-        if gas_changed {
-            forget_averages(&mut sums);
-        }
+        let mut sums = self.kept_sums(case, flow, &changes)?;
         let to = Orders { flow: flow.order, mesh: case.mesh.order(), time: case.time.order };
-        let pressure_changes = gas_changed && case.allows(AllowedChange::Mach);
-        let keeps_cells = !is_other_mesh && !pressure_changes && self.orders(case) == to;
+        let keeps_cells = !changes.mesh && !changes.pressure && self.orders(case) == to;
         let loaded = self.loaded::<D, M>(case, keeps_cells)?;
-        let (loaded, warning) = self.on_mesh_here::<D, M>(case, mover, loaded, to, is_other_mesh)?;
+        let (loaded, unreached) = self.on_mesh_here::<D, M>(case, mover, loaded, to, changes.mesh)?;
         let Loaded { mut state, frozen, stale, orders: from } = loaded;
-        self.join_schedule(&mut state, &case.time)?;
-        let mut warnings = self.check_motion(case, mover, &state)?;
-        warnings.extend(warning);
-        state.boundary_jumps = self.jumps(case, mover, &state);
+        let mut warnings = self.join(case, mover, &mut state)?;
+        warnings.extend(unreached);
         warnings.extend(self.start_warnings(case, &state, &sums)?);
-        let has_other_points = from.flow != to.flow || from.mesh != to.mesh || self.has_other_quadrature(case)?;
-        let changed = match (gas_changed, has_other_points) {
-            (true, _) => Some("gas"),
-            (false, true) => Some("order or quadrature"),
-            (false, false) => None,
-        };
-        let (added_walls, late) = self.added_walls(case, state.time, is_other_mesh, changed);
+        let changed = changes.of_distributions(from, to);
+        let (added_walls, late) = self.added_walls(case, state.time, changes.mesh, changed);
         warnings.extend(late);
         warnings.extend(averages::are_late(case, &sums, &state));
-        if pressure_changes {
+        if changes.pressure {
             self.shift_pressure::<D, M>(flow, from.flow, &mut state)?;
         }
-        // Only the steady flow has been searched so far; the search continues if that of this case is another.
-        let is_other_problem = is_other_mesh || gas_changed || self.is_other(case, &STEADY_PROBLEM)?;
-        let searches_anew = state.slab == 0 && case.solver.steady.is_some() && is_other_problem;
+        let searches_anew = self.searches_anew(case, &state, &changes)?;
         if searches_anew {
             sums = RunStatistics::default().to_arrays();
         }
         let mut continued = match from == to {
-            true => checkpoint::store(&state, frozen.as_ref(), stale || gas_changed && frozen.is_some()),
+            true => checkpoint::store(&state, frozen.as_ref(), stale || changes.gas && frozen.is_some()),
             false => checkpoint::store(&state.transfer(mover, M, from, to), None, false),
         };
         continued.arrays.extend(sums);
-        let is_measured_anew = is_other_mesh
-            || pressure_changes
-            || self.has_other_quadrature(case)?
-            || self.is_other(case, &["bodies", "structure"])?;
-        let keeps_averages = !is_other_mesh && !gas_changed && !searches_anew;
+        let keeps_averages = !changes.mesh && !changes.gas && !searches_anew;
         let checkpoint = self.with_numbers_of_cells(continued, keeps_cells, keeps_averages);
-        let (surfaces, begins_surfaces) = (Vec::new(), is_other_mesh || changed.is_some());
+        let (surfaces, begins_surfaces) = (Vec::new(), changes.mesh || changed.is_some());
+        let is_measured_anew = changes.of_energies();
         Ok(Start { checkpoint, warnings, surfaces, added_walls, begins_surfaces, searches_anew, is_measured_anew })
+    }
+
+    /// What `case` changes. A change that it may not make is an error.
+    fn changes<const D: usize>(&self, case: &Case<D>) -> Result<Changes, RestartError> {
+        let mesh = self.check_mesh(case)?;
+        let gas = self.check_flow(case)?;
+        Ok(Changes {
+            mesh,
+            gas,
+            pressure: gas && case.allows(AllowedChange::Mach),
+            quadrature: self.has_other_quadrature(case)?,
+            bodies: self.is_other(case, &["bodies", "structure"])?,
+        })
+    }
+
+    /// The sums and the history of the run, without averages over cells that are others or of another gas.
+    fn kept_sums<const D: usize>(
+        &self,
+        case: &Case<D>,
+        flow: &Flow<D>,
+        changes: &Changes,
+    ) -> Result<Arrays, RestartError> {
+        let mut sums = self.sums(case, flow)?;
+        if changes.mesh {
+            forget_cells(&mut sums);
+        }
+        if changes.gas {
+            forget_averages(&mut sums);
+        }
+        Ok(sums)
+    }
+
+    /// Joins the `state` to the slabs and to the motion of `case`. Returns warnings about jumps of velocities.
+    fn join<const D: usize>(
+        &self,
+        case: &Case<D>,
+        mover: &MeshMover<D>,
+        state: &mut State,
+    ) -> Result<Vec<String>, RestartError> {
+        self.join_schedule(state, &case.time)?;
+        let warnings = self.check_motion(case, mover, state)?;
+        state.boundary_jumps = self.jumps(case, mover, state);
+        Ok(warnings)
+    }
+
+    /// Whether only the steady flow has been searched so far, and that of `case` is another.
+    fn searches_anew<const D: usize>(
+        &self,
+        case: &Case<D>,
+        state: &State,
+        changes: &Changes,
+    ) -> Result<bool, RestartError> {
+        let is_other_problem = changes.mesh || changes.gas || self.is_other(case, &STEADY_PROBLEM)?;
+        Ok(state.slab == 0 && case.solver.steady.is_some() && is_other_problem)
     }
 
     /// The walls whose distributions begin at the start of this run, at `time`, and a warning of that. `changed` is what the flow has of another

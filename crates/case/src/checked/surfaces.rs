@@ -9,6 +9,9 @@ use crate::raw;
 /// How the names of the files of averages along a wall end.
 const OF_AVERAGES: [&str; 2] = ["_mean", "_separation"];
 
+/// File systems take names of 255 bytes; those of files of a wall have more than its name.
+const LONGEST_NAME: usize = 200;
+
 /// Checks `[output.surfaces]` on a mesh with these `boundaries`: the surfaces are walls of the flow, each listed once.
 pub(super) fn check(
     checker: &Checker<'_>,
@@ -38,6 +41,7 @@ pub(super) fn check(
         return Err(checker.combination(&key, "the list of walls is empty", &accepted));
     }
     check_names(checker, &key, &raw.walls, &walls)?;
+    check_lengths(checker, &key, &raw.walls)?;
     check_files(checker, &key, &raw.walls, output.averages.is_some() && raw.every.is_some())
 }
 
@@ -51,6 +55,15 @@ fn clash(wall: &str, other: &str, has_averages: bool) -> bool {
     let (here, there) = (surface_name(wall), surface_name(other));
     let is_of_averages = |end: &str| here == format!("{there}{end}") || there == format!("{here}{end}");
     here == there || has_averages && OF_AVERAGES.into_iter().any(is_of_averages)
+}
+
+/// Checks that the name of a file can hold each name of a wall. A mesh file may have longer ones.
+fn check_lengths(checker: &Checker<'_>, key: &Key, walls: &[String]) -> Checked<()> {
+    let fits = |wall: &String| wall.len() <= LONGEST_NAME;
+    let accepted = "a name of at most 200 bytes in the mesh: it becomes a part of the names of files";
+    let names = walls.iter().enumerate();
+    collected::<()>(names.map(|(index, wall)| checker.require(&key.entry(index), "the name", fits(wall), accepted)))
+        .map(drop)
 }
 
 /// Checks that no two walls write the same file.

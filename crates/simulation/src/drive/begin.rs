@@ -173,15 +173,18 @@ fn take_series<const D: usize, const M: usize>(
 /// goes on with it, from the present time if that is missing.
 fn added_on_resume<const D: usize>(case: &Case<D>, session: &Session<'_>, time: f64) -> Result<Vec<String>, Failure> {
     let reader = ResultReader::open(&session.directory.path().join(RESULT_FILE))?;
-    let added = surfaces::added(case, &reader.metadata.case_text);
-    let last = |wall: &String| Ok(reader.series(&surface_name(wall))?.and_then(|series| series.times.last().copied()));
-    let last_times = added.iter().map(last).collect::<Result<Vec<Option<f64>>, output::OutputError>>()?;
-    let with_last = || added.iter().zip(&last_times);
-    let new: Vec<String> = with_last().filter(|(_, last)| last.is_none()).map(|(wall, _)| wall.clone()).collect();
+    let (mut new, mut begun) = (Vec::new(), Vec::new());
+    for wall in surfaces::added(case, &reader.metadata.case_text) {
+        let series = reader.series(&surface_name(&wall))?;
+        match series.and_then(|series| series.times.last().copied()) {
+            None => new.push(wall.clone()),
+            Some(last) if last < time => tracing::warn!("{}", surfaces::interrupted(&wall, last, time)),
+            Some(_) => continue,
+        }
+        begun.push(wall);
+    }
     surfaces::late_means(case, &new, time).iter().for_each(|warning| tracing::warn!("{warning}"));
-    let gap = |(wall, last): (&String, &Option<f64>)| last.filter(|last| *last < time).map(|last| (wall.clone(), last));
-    with_last().filter_map(gap).for_each(|(wall, last)| tracing::warn!("{}", surfaces::interrupted(&wall, last, time)));
-    Ok(with_last().filter(|(_, last)| last.is_none_or(|last| last < time)).map(|(wall, _)| wall.clone()).collect())
+    Ok(begun)
 }
 
 /// Restores the run from a checkpoint, its own or that of the run that it continues.
