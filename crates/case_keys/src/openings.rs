@@ -25,7 +25,7 @@ pub struct VelocityInflow {
     pub velocity: Option<Vec<Formula>>,
     /// Instead of the velocity: the mass flux, density times velocity. It is met exactly at any pressure.
     pub mass_flux: Option<Vec<Formula>>,
-    /// The temperature: a formula in x, y, z and t.
+    /// The temperature of gas that enters: a formula in x, y, z and t.
     pub temperature: Formula,
 }
 

@@ -117,20 +117,25 @@ pub fn at_start<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) 
     records
 }
 
-/// Subsonic inflows and outflows at which the flow starts with a jump: a pressure or a temperature 1.5 times the other one, a velocity of a
-/// Mach number of one.
+/// Subsonic inflows and outflows, and walls with slip, at which the flow starts with a jump: a pressure or a temperature 1.5 times the other one, a
+/// velocity of a Mach number of one.
 pub fn jumps_at_start<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Vec<Mismatch> {
-    let is_subsonic = |boundary: &usize| {
+    let may_jump = |boundary: &usize| {
         let condition = &flow.boundary[*boundary].condition;
-        is_opening(condition) && !matches!(condition, Boundary::SupersonicInflow(_))
+        let is_subsonic = is_opening(condition) && !matches!(condition, Boundary::SupersonicInflow(_));
+        // A wall that moves may go with the gas.
+        is_subsonic || condition.is_solid() && !condition.is_no_slip() && case.motion.is_none()
     };
     let is_jump = |found: &Mismatch| {
         let least = if found.quantity.contains("velocity") { 1.0 } else { 1.5_f64.ln() };
         found.size > least
     };
-    let openings = (0..flow.boundary.len()).filter(is_subsonic);
+    let boundaries = (0..flow.boundary.len()).filter(may_jump);
     with_start::<D, M, _>(case, flow, |grid, then| {
-        openings.filter_map(|boundary| mismatch_at(flow, &case.mesh, (grid, then), boundary)).filter(is_jump).collect()
+        boundaries
+            .filter_map(|boundary| mismatch_at(flow, &case.mesh, (grid, then), boundary))
+            .filter(is_jump)
+            .collect()
     })
 }
 

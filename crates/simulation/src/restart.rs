@@ -154,7 +154,8 @@ impl Origin {
         let Loaded { mut state, frozen, stale, orders: from } = loaded;
         let mut warnings = self.join(case, mover, &mut state)?;
         warnings.extend(unreached);
-        warnings.extend(self.start_warnings(case, &state, &sums)?);
+        let searches_anew = self.searches_anew(case, &state, &changes)?;
+        warnings.extend(self.start_warnings(case, &state, &sums, searches_anew)?);
         let changed = changes.of_distributions(from, to);
         let (added_walls, late) = self.added_walls(case, state.time, changes.mesh, changed);
         warnings.extend(late);
@@ -162,7 +163,6 @@ impl Origin {
         if changes.pressure {
             self.shift_pressure::<D, M>(flow, from.flow, &mut state)?;
         }
-        let searches_anew = self.searches_anew(case, &state, &changes)?;
         if searches_anew {
             sums = RunStatistics::default().to_arrays();
         }

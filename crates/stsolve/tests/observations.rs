@@ -183,7 +183,8 @@ fn what_cannot_be_cut_is_refused() {
         ("free_stream", "output.slices.a={point=[0,0],normal=[0,1]}".to_owned(), "output.lines"),
         ("free_stream_3d", "output.slices.a={point=[0,0,0],normal=[0,0,0]}".to_owned(), "not zero"),
         ("free_stream", "output.formulas.a=\"presure\"".to_owned(), "did you mean `pressure`"),
-        ("free_stream", "output.formulas.mach=\"pressure\"".to_owned(), "that no field has"),
+        ("free_stream", "output.formulas.mach=\"pressure\"".to_owned(), "this name has another meaning"),
+        ("free_stream", "output.formulas.a-b=\"pressure\"".to_owned(), "this is no name of a formula"),
         ("free_stream", "output.formulas.a=\"1/0*density\"".to_owned(), "finite somewhere"),
         ("cantilever", "output.formulas.a=\"x\"".to_owned(), "without a flow there is nothing to observe"),
     ];

@@ -146,7 +146,10 @@ fn formula<const D: usize>(checker: &Checker<'_>, at: Named<'_, raw::Formula>) -
     let is_free = !known.iter().any(|name| name == at.name) && Field::components_of_flow(D).all(|name| name != at.name);
     let accepted = "a name of letters, digits and _ that no field has, nor an average; not t, s, x, y or z";
     let is_free = is_free && !is_variable(at.name) && !is_name_of_average(at.name);
-    checker.require(&at.key, "the name of the formula", is_name && is_free, accepted)?;
+    if !(is_name && is_free) {
+        let problem = if is_name { "this name has another meaning" } else { "this is no name of a formula" };
+        return Err(checker.combination(&at.key, problem, accepted));
+    }
     let program = checker.formula_of_fields::<D>(&at.key, at.raw)?;
     checker.require_finite_somewhere(&at.key, "the value of the formula", &program)?;
     Ok(FieldFormula { name: at.name.to_owned(), program })

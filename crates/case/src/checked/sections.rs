@@ -1,9 +1,9 @@
 //! The sections of a case in the order in which they can be checked, and whether they belong together.
 
 use super::{
-    Averages, Flow, Motion, Observed, Output, RigidBody, Structure, Time, averages, bodies, controls, equilibrium,
-    flow, held_nodes, motion, movers, over_run, parallel, parts, probes, sliding_mesh, solver, structure, surfaces,
-    time,
+    Averages, Flow, Motion, Observed, Output, RigidBody, Structure, Time, Wall, averages, bodies, controls,
+    equilibrium, flow, held_nodes, motion, movers, over_run, parallel, parts, probes, sliding_mesh, solver, structure,
+    surfaces, time,
 };
 use crate::checker::{Checked, Checker};
 use crate::error::Errors;
@@ -183,9 +183,22 @@ pub(super) fn check_together<const D: usize>(
     held_nodes::check(checker, structure.as_ref(), motion, mesh, time)?;
     held_nodes::check_bodies(checker, bodies, &movers.moved(mesh), (mesh, flow))?;
     sliding_mesh::check_walls(checker, mesh, motion, flow)?;
-    let (Some(raw), Some(flow)) = (&raw.flow, flow) else { return Ok(()) };
+    let (Some(of_flow), Some(flow)) = (&raw.flow, flow) else { return Ok(()) };
+    start_layer_has_walls(checker, &raw.solver, flow)?;
     let (moved, numbering) = (&movers.moved(mesh), OnceCell::new());
-    over_run::OverRun { checker, flow, mesh, motion, moved, time, numbering }.check(raw)
+    over_run::OverRun { checker, flow, mesh, motion, moved, time, numbering }.check(of_flow)
+}
+
+/// A start layer slows the gas at no-slip walls only.
+fn start_layer_has_walls<const D: usize>(checker: &Checker<'_>, raw: &raw::Solver, flow: &Flow<D>) -> Checked<()> {
+    let sticks = |wall: &Wall<D>| flow.boundary[wall.boundary].condition.is_no_slip();
+    if raw.start_layer.is_none_or(|thickness| thickness == 0.0) || flow.walls.iter().any(sticks) {
+        return Ok(());
+    }
+    let problem = "a start layer slows the gas at walls without slip, and there is none";
+    let accepted =
+        "no key; a formula of `flow.initial` may let the velocity across a slip wall fall to zero at the wall";
+    Err(checker.combination(&Key::new("solver").child("start_layer"), problem, accepted))
 }
 
 /// Without a flow slabs are not adapted, no steady flow is searched, and there is nothing to integrate.

@@ -37,6 +37,7 @@ pub(super) fn check<const D: usize>(
         "the wall does not slide in its plane: at {x:?} and t = {t}, where its normal is {normal:.6?}, it would move by {:.3e} along that",
         dot(&velocity(x), normal)
     );
-    let accepted = "a velocity along the wall everywhere; a wall that moves otherwise, such as one that turns, is given in [motion]";
+    let accepted = "a velocity along the wall everywhere, to 2 %: a coarse circle needs a higher `mesh.order` or more cells; a wall that moves otherwise is given in \
+                    [motion]";
     Err(checker.combination(&key, &problem, accepted))
 }

@@ -2,7 +2,6 @@
 
 use super::boundary_data::BoundaryData;
 use super::mesh_crate::{BoundaryFacet, Mesh, face_nodes};
-use navier_stokes::Boundary;
 
 /// The length in `mesh` that a flow passes, with two digits, so that shapes that are almost alike have the same scales of time; and the largest
 /// length that may be meant.
@@ -11,16 +10,12 @@ use navier_stokes::Boundary;
 /// any up to its largest extent.
 pub(super) fn of_mesh<const D: usize>(mesh: &Mesh<D>, conditions: &[BoundaryData<D>]) -> [f64; 2] {
     let whole = Extent::of(mesh.coordinates().as_chunks::<D>().0);
-    let is_solid = |boundary: &usize| is_solid(&conditions[*boundary].condition);
+    let is_solid = |boundary: &usize| conditions[*boundary].condition.is_solid();
     let solid = (0..conditions.len()).filter(is_solid);
     let body = solid.map(|boundary| Extent::of_boundary(mesh, boundary).of_body(&whole)).fold(0.0, f64::max);
     let all = std::array::from_fn::<f64, D, _>(|axis| whole.along(axis));
     let lengths = if body > 0.0 { [body; 2] } else { [middle(&all), all.into_iter().fold(0.0, f64::max)] };
     lengths.map(with_two_digits)
-}
-
-fn is_solid<const D: usize>(condition: &Boundary<D>) -> bool {
-    condition.is_wall() || matches!(condition, Boundary::Symmetry(_))
 }
 
 fn with_two_digits(length: f64) -> f64 {

@@ -193,6 +193,16 @@ impl<const D: usize> Boundary<D> {
         matches!(self, Boundary::AdiabaticWall(_) | Boundary::IsothermalWall(_) | Boundary::SlipWall(_))
     }
 
+    /// Whether no gas passes the boundary: walls and planes of symmetry.
+    pub fn is_solid(&self) -> bool {
+        self.is_wall() || matches!(self, Boundary::Symmetry(_))
+    }
+
+    /// Whether gas sticks to the boundary.
+    pub fn is_no_slip(&self) -> bool {
+        matches!(self, Boundary::AdiabaticWall(_) | Boundary::IsothermalWall(_))
+    }
+
     /// The state that the condition asks for where the gas inside has the state `minus`. A flow that follows the condition has this very
     /// state.
     pub fn target_state<const M: usize>(

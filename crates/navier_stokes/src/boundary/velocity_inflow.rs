@@ -11,7 +11,7 @@ use tensor::{Over, Real, dot};
 /// Velocity and temperature given at every point and time. The pressure comes from inside, with the acoustic wave that leaves. Viscous
 /// terms take the state on the facet as Dirichlet data. The condition reflects sound.
 ///
-/// Data = [_, w_g or rho w_g, T_g].
+/// Data = [_, w_g or rho w_g, T_g]. T_g plays no part where gas leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VelocityInflow {
     /// The velocity w_g is given.
@@ -96,8 +96,9 @@ impl<const D: usize> Condition<D> for VelocityInflow {
     /// ```
     ///
     /// Gas that enters has the given velocity and temperature. Gas that leaves has the given normal velocity, and its own entropy and
-    /// tangential velocity. A given mass flux is converted to a velocity, first at the pressure inside for c*, then at p* for the
-    /// state. The two pressures differ only by the jump at the facet, and the mass flux is exact.
+    /// tangential velocity. A given mass flux is converted to a velocity, first at the pressure inside for c*, then at p* for the state. The two
+    /// pressures differ only by the jump at the facet, and the mass flux is exact. At the pressure inside, gas that enters has the given temperature,
+    /// and gas that leaves its own density.
     #[inline(always)]
     fn on_facet<T: Over<G>, G: Real, const M: usize>(
         &self,
@@ -113,7 +114,10 @@ impl<const D: usize> Condition<D> for VelocityInflow {
         let (w_n, given_n) = (along(&inside.velocity, n), T::lift(dot(&given.vector, n)));
         let specific_pressure = T::lift(given.temperature * gas.gas_constant());
 
-        let expected_n = given_n * self.specific_volume(specific_pressure / inside.pressure);
+        let entering_n = given_n * self.specific_volume(specific_pressure / inside.pressure);
+        let leaving_n = given_n * self.specific_volume(inside.density.recip());
+        let into_domain = T::lift(dot(v, n)) - entering_n;
+        let expected_n = into_domain.select_ge(c.zero(), entering_n, leaving_n);
         let [lowest, highest] = self.bounds();
         let c_here = (c + (w_n - expected_n) * k).max(c * lowest).min(c * highest);
         let pressure = inside.pressure * (c_here / c).powf(gas.gamma() / k);
@@ -122,7 +126,6 @@ impl<const D: usize> Condition<D> for VelocityInflow {
         let leaving_density = pressure * gas.gamma() / (c_here * c_here);
         let entering = self.specific_volume(entering_density.recip());
         let gain = given_n * self.specific_volume(leaving_density.recip()) - w_n;
-        let into_domain = T::lift(dot(v, n)) - expected_n;
         let mut velocity = inside.velocity;
         for i in 0..D {
             let leaves = inside.velocity[i] + gain.scale(n[i]);

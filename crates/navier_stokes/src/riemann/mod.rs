@@ -61,6 +61,16 @@ impl<T: Real, const D: usize, const M: usize> Side<T, D, M> {
 }
 
 impl Riemann {
+    /// Its name in words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Riemann::LaxFriedrichs => "Lax-Friedrichs",
+            Riemann::Hllc => "HLLC",
+            Riemann::Roe => "Roe",
+            Riemann::LowMachRoe { .. } => "Roe for low Mach numbers",
+        }
+    }
+
     /// The speed of a slow flow.
     #[inline(always)]
     fn slow(self) -> Option<f64> {

@@ -50,6 +50,12 @@ fn velocity_inflow_lets_gas_leave<const D: usize, const M: usize>() {
         let mass_flux = Boundary::VelocityInflow(VelocityInflow::OfMassFlux);
         let flux = law.boundary_flux(mass_flux, &u, at(&n, &[0.0; D], &fits));
         assert!(difference(&flux, &normal_flux(&u, &n, &[0.0; D])) <= 1e-13);
+        if dot(&momentum, &n) > 0.0 {
+            // Suction at the given temperature 1 had the pressure of gas with that temperature.
+            let suction: [f64; M] = values(0.0, momentum, 9.0);
+            let flux = law.boundary_flux(mass_flux, &u, at(&n, &[0.0; D], &suction));
+            assert!(difference(&flux, &normal_flux(&u, &n, &[0.0; D])) <= 1e-13);
+        }
 
         let out = random.between(0.1, 0.5);
         let data: [f64; M] = values(0.0, n.map(|n| out * n), 9.0);

@@ -3,6 +3,11 @@
 use crate::problem::Inadmissible;
 use crate::{fgmres, line_search};
 
+/// "the last step" or "the last 4 steps".
+fn last_steps(count: usize) -> String {
+    if count == 1 { "the last step".to_owned() } else { format!("the last {count} steps") }
+}
+
 /// How a solve converged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Convergence {
@@ -132,8 +137,8 @@ pub enum Error {
     },
     /// The residual falls by too little, or no longer.
     #[error(
-        "Newton step {}: the residual norm has not fallen enough in the last {} steps: it is {:e}, and was {least:e} before them",
-        report.steps.len(), report.steps.len() - since, report.final_norm()
+        "Newton step {}: the residual norm has not fallen enough in {}: it is {:e}, and was {least:e} before",
+        report.steps.len(), last_steps(report.steps.len() - since), report.final_norm()
     )]
     Stalled {
         /// The least norm.
@@ -145,8 +150,8 @@ pub enum Error {
     },
     /// The last steps are short or raise the residual.
     #[error(
-        "Newton step {}: the last {steps} steps led nowhere: they were short, or damped and raised the residual; its norm is {:e}, and was {before:e}",
-        report.steps.len(), report.final_norm()
+        "Newton step {}: {} led nowhere, short or damped with a residual that rose; its norm is {:e}, and was {before:e}",
+        report.steps.len(), last_steps(*steps), report.final_norm()
     )]
     Fruitless {
         /// The number of these steps.

@@ -54,7 +54,17 @@ where
 
 /// The warning about a steady flow, with the remedy.
 fn warning(reliability: &Reliability) -> Option<String> {
-    let stability = reliability.stability.filter(Stability::is_unstable)?;
+    let stability = reliability.stability?;
+    if stability.is_undecided() {
+        let Stability { growth, duration, .. } = stability;
+        return Some(format!(
+            "the steady flow may be unstable: marched in time, its rate of change grew by a factor of {growth:.1} within {duration:.2e}; a longer \
+             `solver.steady.stability_time` tells"
+        ));
+    }
+    if !stability.is_unstable() {
+        return None;
+    }
     let seen = match stability.completed {
         true => {
             format!("within {:.2e} its rate of change grew by a factor of {:.1e}", stability.duration, stability.growth)

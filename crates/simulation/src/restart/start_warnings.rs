@@ -6,15 +6,16 @@ use coupled::{State, rounded_time};
 use output::Arrays;
 
 impl Origin {
-    /// Warnings about the start of `case` from the `state` of the run, which has the given `sums`.
+    /// Warnings about the start of `case` from the `state` of the run, which has the given `sums`, unless the case `searches_anew` a steady flow.
     pub(super) fn start_warnings<const D: usize>(
         &self,
         case: &Case<D>,
         state: &State,
         sums: &Arrays,
+        searches_anew: bool,
     ) -> Result<Vec<String>, RestartError> {
         let start = self.misunderstood_start(case, state.time)?;
-        let search = self.unfinished_search(case, state, sums)?;
+        let search = if searches_anew { None } else { self.finished_or_unfinished_search(case, state, sums)? };
         let unused = self.unused_keys(case, state)?;
         Ok(start.into_iter().chain(search).chain(unused).collect())
     }
@@ -38,8 +39,9 @@ impl Origin {
         Ok(unused.map(|(key, _)| told(key)).collect())
     }
 
-    /// A warning if the run has not finished its search for a steady flow, and this one does not search.
-    fn unfinished_search<const D: usize>(
+    /// A warning if the run has found its steady flow with other settings of the search, or has not finished the search and this one does not
+    /// search.
+    fn finished_or_unfinished_search<const D: usize>(
         &self,
         case: &Case<D>,
         state: &State,
@@ -48,11 +50,20 @@ impl Origin {
         let searches =
             searches_steady_flow(&self.result.metadata.case_text).map_err(|reason| self.unreadable(reason))?;
         let found = sums.get("statistics.steady").is_some_and(|steady| !steady.is_empty());
-        let is_initial = state.slab == 0 && searches && !found && case.solver.steady.is_none();
-        Ok(is_initial.then(|| {
+        if state.slab > 0 || !searches {
+            return Ok(None);
+        }
+        let path = self.path.display();
+        if found {
+            let settings = self.differences(case)?.all.into_iter().map(|difference| difference.key);
+            let unused = settings.into_iter().find(|key| key.starts_with("solver.steady."));
+            return Ok(unused.map(|key| {
+                format!("`{key}` has no effect here: `{path}` has found its steady flow; a run without `restart` searches again")
+            }));
+        }
+        Ok(case.solver.steady.is_none().then(|| {
             format!(
-                "the search for a steady flow in `{}` was not finished: this run begins with its initial state; `stsolve run --resume` finishes it",
-                self.path.display()
+                "the search for a steady flow in `{path}` was not finished: this run begins with its initial state; `stsolve run --resume` finishes it"
             )
         }))
     }

@@ -190,3 +190,58 @@ fn check_advises_robust_quadrature_where_a_flow_is_not_resolved() {
     assert!(tells("taylor_green_3d", &["flow.quadrature=\"conserving\""], "resolution"));
     assert!(!tells("taylor_green_3d", &[], "resolution"));
 }
+
+/// The warnings about the case `text` in `directory`.
+fn warnings_of(directory: &Path, text: &str, set: &[&str]) -> serde_json::Value {
+    std::fs::write(directory.join("case.toml"), text).unwrap();
+    let set = set.iter().flat_map(|setting| ["--set", setting]);
+    let arguments: Vec<&str> = ["check", "--json", "--probe", "never", "case.toml"].into_iter().chain(set).collect();
+    let (code, stdout, stderr) = outcome(directory, &arguments);
+    assert_eq!(code, 0, "{stderr}");
+    serde_json::from_str::<serde_json::Value>(&stdout).unwrap()["warnings"].take()
+}
+
+/// A channel at a high Reynolds number.
+const CHANNEL: &str = r#"
+    mesh = { order = 2, generate.box = { lower = [0, 0], upper = [2, 1], cells = [2, 2], periodic = ["x"] } }
+    time = { order = 1, end = 0.01, slabs = 1 }
+    [flow]
+    order = 2
+    gas = { mach = 0.2, viscosity = { constant = 1e-3 } }
+    initial = { uniform = { velocity = [1, 0], mach = 0.2 } }
+    reference = { density = 1, speed = 1, pressure = 17.857142857142858, length = 1 }
+    [flow.boundary]
+    others = { adiabatic_wall = {} }
+"#;
+
+/// Layers of plates that have met were measured by the layer of a plate in a stream.
+#[test]
+fn check_knows_no_boundary_layer_in_a_channel() {
+    let directory = tempfile::TempDir::new().unwrap();
+    let warnings = warnings_of(directory.path(), CHANNEL, &[]);
+    assert!(warnings["first cell"].is_null() && !warnings["start of the flow"].is_null(), "{warnings}");
+    let open = ["mesh.generate.box.periodic=[]", "flow.boundary.left={far_field={velocity=[1,0],mach=0.2}}"];
+    let warnings = warnings_of(directory.path(), CHANNEL, &open);
+    assert!(!warnings["first cell"].is_null(), "{warnings}");
+}
+
+/// A restart was told that its flow starts uniform.
+#[test]
+fn check_knows_that_a_restart_has_a_flow() {
+    let directory = tempfile::TempDir::new().unwrap();
+    let _ = warnings_of(directory.path(), CHANNEL, &[]);
+    assert_eq!(outcome(directory.path(), &["run", "case.toml", "--output", "first", "--quiet"]).0, 0);
+    let warnings =
+        warnings_of(directory.path(), CHANNEL, &["restart={from=\"first\"}", "time={order=1,end=0.02,slabs=2}"]);
+    assert!(warnings["start of the flow"].is_null(), "{warnings}");
+}
+
+/// A uniform flow along walls with slip is exact.
+#[test]
+fn check_accepts_an_exact_flow_along_slip_walls() {
+    let exact = "flow.exact={uniform={velocity=[1,0],mach=0.2}}";
+    let directory = tempfile::TempDir::new().unwrap();
+    let warnings = |walls: &str| warnings_of(directory.path(), CHANNEL, &[exact, walls]);
+    assert!(warnings("flow.boundary.others=\"slip_wall\"")["exact solution"].is_null());
+    assert!(!warnings("flow.boundary.others={adiabatic_wall={}}")["exact solution"].is_null());
+}

@@ -67,6 +67,13 @@ fn check_tells_of_openings_that_start_with_a_jump() {
         ("flow.boundary.right.outflow.pressure=100", Some("at `right`")),
         ("flow.boundary.left.inflow.total_pressure=10", Some("at `left`")),
         ("flow.boundary.left.inflow.total_temperature=300", Some("at `left`")),
+        ("flow.boundary.right=\"slip_wall\"", None),
+        (
+            "flow={order=2,shock_capturing={},initial={uniform={density=1,velocity=[3,0],pressure=1}},reference={density=1,speed=3,pressure=1},boundary={left={supersonic_inflow={uniform={density=1,velocity=[3,0],pressure=1}}},others=\"slip_wall\"}}",
+            Some(
+                "at `right`: the state that the condition sets there has a normal velocity of 0.0000e0, the gas 3.0000e0: let the velocity",
+            ),
+        ),
         (
             "flow.boundary.left={velocity_inflow={velocity=[30,0],temperature=1}}",
             Some("at `left`: the state that the condition sets there has a velocity along x of 3.0000e1"),

@@ -83,6 +83,7 @@ fn openings_that_cannot_be_are_refused() {
         &["the temperature of -0.5 at [0.0, 0.0] and t = 0", "positive"],
     );
     refused(&velocity("velocity = [\"1/0\", 0], temperature = 1"), &["the vector at"]);
+    refused("solver.start_layer=0.1", &["walls without slip, and there is none", "`flow.initial`"]);
     refused(
         "flow.boundary.right={ outflow = { pressure = 1, total_temperature = 0 } }",
         &["total_temperature", "positive"],

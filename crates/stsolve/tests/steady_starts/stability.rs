@@ -94,6 +94,12 @@ fn a_resolved_steady_flow_is_not_doubted() {
         assert!(number(steady, "next_order_residual") < 0.1, "{steady}");
         assert_eq!(steady.get("stability").is_some(), name == "asked", "{steady}");
     }
+    // The march is not repeated, and was not told of.
+    let asked = directory.path().join("asked");
+    let from = format!("restart={{from={:?}}}", asked.to_str().unwrap());
+    let more = [&set[..], &["solver.steady.stability_time=9", &from]].concat();
+    on_case(directory.path(), "run", "naca0012_heave", &more, "again", &[])
+        .expect(0, &["`solver.steady.stability_time` has no effect here"]);
 }
 
 /// The steady flow around a cylinder at Re = 100 exists, but vortices are shed: the disturbance grows by exp(0.13 t).

@@ -142,9 +142,17 @@ where
         Warning { subject: "opening", text: format!("{}: {}", record.told(name), record.now.misuse.remedy(name)) }
     };
     let jump = |Mismatch { boundary, quantity, inside, target_state, .. }: &Mismatch| {
+        let is_solid = |name: &str| {
+            let index = case.mesh.boundary_names().iter().position(|other| other == name);
+            index.is_some_and(|index| flow.boundary[index].condition.is_solid())
+        };
+        let remedy = match is_solid(boundary) {
+            true => "let the velocity across it fall to zero at it, by a formula in `flow.initial`".to_owned(),
+            false => format!("compare `flow.boundary.{boundary}` with `flow.initial`, also their units"),
+        };
         let text = format!(
             "the flow starts with a jump at `{boundary}`: the state that the condition sets there has a {quantity} of {target_state:.4e}, the gas \
-             {inside:.4e}: compare `flow.boundary.{boundary}` with `flow.initial`, also their units"
+             {inside:.4e}: {remedy}"
         );
         Warning { subject: "opening", text }
     };

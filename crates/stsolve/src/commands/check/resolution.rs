@@ -138,7 +138,9 @@ pub(super) fn layer<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Opt
         return warning("turbulence", text);
     }
     let nodes = plate.thickness() / height * (flow.order as f64 - 1.0);
-    if nodes >= NODES_IN_LAYER {
+    // Between walls, in a stream that repeats itself, layers have met.
+    let is_open = flow.boundary.iter().any(|data| !data.condition.is_solid());
+    if nodes >= NODES_IN_LAYER || !is_open {
         return None;
     }
     let text = format!(

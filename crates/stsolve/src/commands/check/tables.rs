@@ -160,7 +160,7 @@ fn flow_table<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Table {
     let mut table = Table::new("flow");
     table
         .row("order", flow.order, "nodes per direction and cell")
-        .row("numerical flux", format!("{:?}", flow.law.riemann), "")
+        .row("numerical flux", flow.law.riemann.name(), "")
         .row("quadrature points", flow.quadrature.space_points(D, orders), "per direction")
         .row("quadrature points in time", flow.quadrature.time_points(D, orders), "per slab")
         .row("ratio of specific heats", gas.gamma(), "")

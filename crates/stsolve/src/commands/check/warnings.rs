@@ -7,7 +7,7 @@ use super::{bodies, gas, streams};
 use case::expression::Overshoot;
 use case::{Flow, Motion, Preconditioner};
 use elasticity::NEARLY_INCOMPRESSIBLE;
-use navier_stokes::{Boundary, Riemann};
+use navier_stokes::Riemann;
 use simulation::{PrescribedNode, jump_of_centrifugal_force, speed_of_bodies_at_start, unheld_in_equilibrium};
 
 /// A spline that leaves two neighbouring points by more than this part of the range of all values is hardly meant.
@@ -106,8 +106,7 @@ pub(super) fn warning(subject: &'static str, text: String) -> Option<Warning> {
 fn body<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
     let Some(Motion::Elastic { boundary, .. }) = &facts.case.motion else { return None };
     let rests = boundary.iter().any(Option::is_none);
-    let solid = |condition: &Boundary<D>| condition.is_wall() || matches!(condition, Boundary::Symmetry(_));
-    let open = |index: &usize| boundary[*index].is_some() && !solid(&flow.boundary[*index].condition);
+    let open = |index: &usize| boundary[*index].is_some() && !flow.boundary[*index].condition.is_solid();
     let name = &facts.case.mesh.boundary_names()[(0..boundary.len()).find(open).filter(|_| rests)?];
     let text = format!(
         "`{name}` moves while other boundaries rest, and is no wall: gas passes through it; `flow.boundary.{name} = {{ adiabatic_wall = {{}} }}`, or \
@@ -160,11 +159,11 @@ fn reference_length<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Opt
     warning("reference length", text)
 }
 
-/// A wall that has a speed at the start pushes the gas suddenly, for any motion of the interior mesh.
+/// A wall that has a speed at the start pushes the gas suddenly, for any motion of the interior mesh. A restart compares the motions of both runs.
 fn start<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>, walls: &[PrescribedNode<D>]) -> Option<Warning> {
     let speed = speed_at_start(facts.case, walls).unwrap_or(0.0).max(speed_of_bodies_at_start(facts.case));
     let relative = speed / flow.reference_speed;
-    if relative <= SUDDEN {
+    if relative <= SUDDEN || facts.case.restart.is_some() {
         return None;
     }
     let text = format!(
@@ -176,8 +175,9 @@ fn start<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>, walls: &[Prescrib
 
 /// A uniform stream does not satisfy no-slip walls: as the initial state it makes boundary layers form suddenly.
 fn sudden_flow<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
-    let moves = flow.uniform_velocity?.iter().any(|w| *w != 0.0);
-    if !moves || facts.walls?.cell_height.is_none() || flow.exact.is_some() || facts.case.solver.steady.is_some() {
+    let (case, moves) = (facts.case, flow.uniform_velocity?.iter().any(|w| *w != 0.0));
+    let begins_with_it = case.restart.is_none() && case.solver.steady.is_none();
+    if !moves || !begins_with_it || facts.walls?.cell_height.is_none() || flow.exact.is_some() {
         return None;
     }
     let text = "the flow starts uniform, and walls without slip stop it at once: an empty section `[solver.steady]`, which starts from the steady \
