@@ -7,10 +7,11 @@ use case::{Analysis, Case, Flow, Freedom, RigidBody, SteadyBodies, Structure, St
 use coupled::block::BodyState;
 use coupled::blocks::rigid_body::{Freedom as Direction, Vec3};
 use coupled::rounded_time;
+use navier_stokes::Viscosity;
 use tensor::{dot, norm};
 
-/// A wall that follows a body by more than this part of its motion, across the wall, changes its shape.
-const BULGE: f64 = 1e-3;
+/// A wall that follows a body by more than this part of its motion changes its shape, if it moves across itself, or drags gas along.
+const FOLLOWS: f64 = 1e-3;
 
 /// The difference of displacements, in diameters of a structure, up to which a linear law holds to about a per cent.
 const SMALL_DISPLACEMENT: f64 = 0.1;
@@ -36,23 +37,30 @@ fn prescribed<const D: usize>(body: &RigidBody<D>, t: f64) -> impl Iterator<Item
     body.freedoms.iter().filter_map(move |freedom| Some((freedom.direction, rate(freedom.motion.as_ref()?, t))))
 }
 
-/// The first wall that is of no body and that the mesh of a body moves across itself: the body, and the number of the boundary.
-pub fn wall_that_bulges<'a, const D: usize>(case: &'a Case<D>, flow: &Flow<D>) -> Option<(&'a RigidBody<D>, usize)> {
+/// The first wall that is of no body and that the mesh of a body moves across itself, or along itself with gas that sticks to it: the body, and the
+/// number of the boundary.
+pub fn wall_that_follows<'a, const D: usize>(case: &'a Case<D>, flow: &Flow<D>) -> Option<(&'a RigidBody<D>, usize)> {
     let others: Vec<usize> =
         flow.walls.iter().map(|wall| wall.boundary).filter(|&boundary| !is_of_body(case, boundary)).collect();
     let pairs = case.bodies.iter().flat_map(|body| others.iter().map(move |&boundary| (body, boundary)));
-    pairs.into_iter().find(|(body, boundary)| wall_facets(&case.mesh, &[*boundary]).any(|nodes| bulges(body, &nodes)))
+    let follows = |body: &RigidBody<D>, boundary: usize| {
+        let is_viscous = flow.law.gas.viscosity() != Viscosity::Inviscid;
+        let sticks = is_viscous && flow.boundary[boundary].condition.is_no_slip();
+        wall_facets(&case.mesh, &[boundary]).any(|nodes| is_moved(body, &nodes, sticks))
+    };
+    pairs.into_iter().find(|(body, boundary)| follows(body, *boundary))
 }
 
-/// Whether the mesh of `body` moves the facet with these `nodes` across itself.
-fn bulges<const D: usize>(body: &RigidBody<D>, nodes: &[[f64; D]]) -> bool {
+/// Whether the mesh of `body` moves the facet with these `nodes` across itself; any way, if gas `sticks` to it.
+fn is_moved<const D: usize>(body: &RigidBody<D>, nodes: &[[f64; D]], sticks: bool) -> bool {
     let weight = nodes.iter().filter_map(|x| body.weight(x)).fold(0.0, |most: f64, w| most.max(w.abs()));
     let (centre, area) = middle_and_area(nodes);
-    let across = |direction: &Direction| {
+    let moves = |direction: &Direction| {
         let mode = mode(direction, &body.pivot, &centre);
-        weight * dot(&mode, &area).abs() > BULGE * norm(&mode) * norm(&area)
+        let way = if sticks { norm(&mode) * norm(&area) } else { dot(&mode, &area).abs() };
+        weight * way > FOLLOWS * norm(&mode) * norm(&area)
     };
-    weight > 0.0 && body.freedoms.iter().any(|freedom| across(&freedom.direction))
+    weight > 0.0 && body.freedoms.iter().any(|freedom| moves(&freedom.direction))
 }
 
 /// The warning about a structure that deforms more in `state` than a linear law describes.

@@ -80,7 +80,9 @@ impl MemoryEstimate {
     /// Of a run of `case`, whose elastic mesh has the solver of `plan`.
     pub fn new<const D: usize>(case: &Case<D>, plan: Option<&elasticity::Plan>) -> Self {
         let memory = MemoryEstimate::of_flow(case);
-        let solver = plan.map_or(0, |plan| plan.bytes);
+        // The solver of a slab is freed when that of the next one is there.
+        let solvers = if matches!(&case.motion, Some(Motion::Elastic { law, .. }) if !law.is_linear()) { 2 } else { 1 };
+        let solver = plan.map_or(0, |plan| solvers * plan.bytes);
         MemoryEstimate { mesh: memory.mesh + solver + structure(case), ..memory }
     }
 

@@ -70,7 +70,7 @@ fn uri(
     encoder.set_depth(depth);
     encoder.set_palette(palette);
     encoder.set_trns(transparency);
-    encoder.set_compression(png::Compression::High);
+    encoder.set_compression(png::Compression::Balanced);
     // Colour numbers are in the order of the values, so the differences of neighbours are small.
     encoder.set_filter(if depth == png::BitDepth::Eight { png::Filter::Adaptive } else { png::Filter::NoFilter });
     let mut writer = encoder.write_header()?;

@@ -26,12 +26,17 @@ pub fn surface<const D: usize>(patch: &Patch<D>, plane: Plane) -> Triangles {
         for &(a, b, part) in &crossings {
             out.points.push(between(plane, [&patch.points[a], &patch.points[b]], part));
             let value = |point: usize, q: usize| patch.values[point * quantities + q];
-            out.values.extend((0..quantities).map(|q| value(a, q) + part * (value(b, q) - value(a, q))));
+            out.values.extend((0..quantities).map(|q| mixed([value(a, q), value(b, q)], part)));
         }
         // Three corners, or four in an order in which two triangles make the cut.
         out.triangles.extend((2..crossings.len()).map(|k| [first + k - 2, first + k - 1, first + k]));
     }
     out
+}
+
+/// The value at the fraction `part` of the way from a to b. Structures have the same infinite value everywhere.
+fn mixed([a, b]: [f64; 2], part: f64) -> f64 {
+    if a == b { a } else { a + part * (b - a) }
 }
 
 /// The visible lines of face `face` of a cell.
@@ -88,6 +93,15 @@ mod tests {
         }
         assert!(surface(&unit::<3>(), Plane { axis: 2, at: 1.5 }).triangles.is_empty());
         assert!((area(&surface(&unit::<2>(), Plane::ALL_OF_2D)) - 1.0).abs() < 1e-12);
+    }
+
+    /// Cuts through structures were white.
+    #[test]
+    fn a_structure_keeps_its_value_in_a_cut() {
+        let mut structure = unit::<3>();
+        structure.values.fill(super::super::patch::OF_STRUCTURE);
+        let cut = surface(&structure, Plane { axis: 2, at: 0.1 });
+        assert!(!cut.values.is_empty() && cut.values.iter().all(|value| *value == f64::INFINITY));
     }
 
     #[test]

@@ -128,6 +128,9 @@ fn check_warns_of_doubtful_bodies() {
     // These walls move along themselves.
     let beside = ["mesh.generate.box.periodic=[]", "flow.boundary.others=\"slip_wall\""];
     assert!(!warns("piston_free.toml", &beside, subject));
+    // Gas sticks to these.
+    let viscous = ["flow.gas.viscosity={constant=1e-3}", "flow.boundary.others={adiabatic_wall={}}", beside[0]];
+    assert!(warns("piston_free.toml", &viscous, subject));
 }
 
 /// The warnings of a case, and its table of outputs.

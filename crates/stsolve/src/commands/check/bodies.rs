@@ -5,7 +5,7 @@ use super::resolution::NODES_PER_PERIOD;
 use super::warnings::{Warning, warning};
 use case::{Flow, Freedom, RigidBody};
 use coupled::blocks::rigid_body::Freedom as Direction;
-use simulation::wall_that_bulges;
+use simulation::wall_that_follows;
 use std::f64::consts::TAU;
 use tensor::dot;
 
@@ -14,15 +14,15 @@ const FEW_NODES: f64 = 4.0;
 
 /// All of them.
 pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> [Option<Warning>; 3] {
-    [bulge(facts, flow), weightless(facts, flow), stiff_spring(facts)]
+    [wall_beside_body(facts, flow), weightless(facts, flow), stiff_spring(facts)]
 }
 
-/// A wall beside a body that follows it by weights changes its shape.
-fn bulge<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
-    let (body, boundary) = wall_that_bulges(facts.case, flow)?;
+/// A wall beside a body that follows it by weights changes its shape, or drags gas along.
+fn wall_beside_body<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
+    let (body, boundary) = wall_that_follows(facts.case, flow)?;
     let (name, wall) = (&body.name, &facts.case.mesh.boundary_names()[boundary]);
     let text = format!(
-        "`bodies.{name}.mesh` moves the wall `{wall}`, which is of no body, across itself: a smaller `outer`, a `weight` that is 0 there, or an elastic \
+        "`bodies.{name}.mesh` moves the wall `{wall}`, which is of no body, across itself, or along itself with the gas that sticks to it: a smaller `outer`, a `weight` that is 0 there, or an elastic \
          mesh (no `bodies.{name}.mesh`)"
     );
     warning("wall beside a body", text)

@@ -3,13 +3,25 @@
 use super::Facts;
 use super::warnings::{Warning, warning};
 use crate::commands::quality::{centre, least_orthogonal};
-use case::Flow;
+use case::{Case, Flow, RigidBody};
 use fem::Quadrature;
 use mesh::Mesh;
 use navier_stokes::Boundary;
+use simulation::PrescribedNode;
+use tensor::norm;
 
 /// A motion with fewer nodes in time per period is badly resolved.
 pub(super) const NODES_PER_PERIOD: f64 = 12.0;
+
+/// Below this Mach number the pressure at rest is large beside that of the motion: loads on a cylinder that turns to and fro in 31 slabs are off by 1.5 %
+/// at 0.1, with a collocated rule and two nodes in time.
+const SLOW: f64 = 0.15;
+
+/// Walls translate if their ways differ by at most this part.
+const TRANSLATION: f64 = 0.01;
+
+/// The number of times at which ways of walls are compared.
+const TIMES_OF_MOTION: usize = 16;
 
 /// A boundary layer with fewer nodes across is badly resolved.
 const NODES_IN_LAYER: f64 = 5.0;
@@ -79,16 +91,45 @@ pub(super) fn quadrature<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -
     warning("quadrature", text)
 }
 
-/// Collocated rules at one time of a slab: the pressure of the gas at rest then works on walls that turn.
-pub(super) fn times_of_quadrature<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
+/// Collocated rules at one or two times of a slab: the pressure of the gas at rest then works on walls that turn.
+pub(super) fn times_of_quadrature<const D: usize>(
+    facts: &Facts<'_, D>,
+    flow: &Flow<D>,
+    walls: &[PrescribedNode<D>],
+) -> Option<Warning> {
     let case = facts.case;
     let collocated = matches!(flow.quadrature, Quadrature::Collocated(_));
-    if !collocated || case.time.order > 1 || case.motion.is_none() && case.bodies.is_empty() {
+    if !collocated || case.motion.is_none() && case.bodies.is_empty() {
         return None;
     }
-    let text = "with one node in time a collocated rule sees a slab at one time only, and pressure at rest works on walls that turn: \
-                `time.order = 2` or more, or `flow.quadrature = \"conserving\"`";
-    warning("quadrature in time", text.to_owned())
+    match case.time.order {
+        1 => {
+            let text = "with one node in time a collocated rule sees a slab at one time only, and pressure at rest works on walls that turn: \
+                        `time.order = 2` or more, or `flow.quadrature = \"conserving\"`";
+            warning("quadrature in time", text.to_owned())
+        }
+        2 if flow.law.reference.mach() < SLOW && turns(case, walls) => {
+            let text = "with two nodes in time and a collocated rule pressure at rest works on walls that turn, the more the slower the flow is beside \
+                        sound: shorter slabs, `time.order = 3`, or `flow.quadrature = \"conserving\"`";
+            warning("quadrature in time", text.to_owned())
+        }
+        _ => None,
+    }
+}
+
+/// Whether walls do more than translate: bodies that rotate, or nodes with different ways.
+fn turns<const D: usize>(case: &Case<D>, walls: &[PrescribedNode<D>]) -> bool {
+    let rotates = |body: &RigidBody<D>| body.freedoms.iter().any(|freedom| freedom.direction.rotates());
+    let differs = |t: f64| {
+        let way = |(node, x, field): &PrescribedNode<D>| field.displacement(*node, x, t);
+        let ways: Vec<[f64; D]> = walls.iter().map(way).collect();
+        let longest = ways.iter().map(norm).fold(0.0, f64::max);
+        let apart = |other: &[f64; D]| norm(&std::array::from_fn::<f64, D, _>(|i| other[i] - ways[0][i]));
+        ways.iter().any(|other| apart(other) > TRANSLATION * longest)
+    };
+    let (start, end) = (case.time.start, case.time.end);
+    let times = (1..=TIMES_OF_MOTION).map(|k| start + (end - start) * k as f64 / TIMES_OF_MOTION as f64);
+    case.bodies.iter().any(rotates) || times.into_iter().any(differs)
 }
 
 /// A periodic motion with too few nodes in time.

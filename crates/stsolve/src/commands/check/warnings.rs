@@ -78,7 +78,7 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
         ];
         let of_resolution = [
             quadrature(facts, flow),
-            times_of_quadrature(facts, flow),
+            times_of_quadrature(facts, flow, &walls),
             layer(facts, flow),
             free_flow(facts, flow),
             mach(flow),
