@@ -2,7 +2,7 @@
 
 use basis::{Lagrange, Matrix, gauss};
 use std::array::from_fn;
-use tensor::norm;
+use tensor::{dot, norm};
 
 /// Enclosures are enlarged by this fraction of their extent, against rounding.
 const MARGIN: f64 = 1e-6;
@@ -50,19 +50,35 @@ impl<const D: usize> Enclosure<D> {
         let d: [f64; D] = std::array::from_fn(|i| x[i] - self.centre[i]);
         (0..D).all(|i| d[i].abs() <= self.extent[i]) && self.edges.as_ref().is_none_or(|edges| is_between(edges, &d))
     }
+
+    /// At most the distance of the cell from `x`; 0 inside both.
+    pub fn distance(&self, x: &[f64; D]) -> f64 {
+        let d: [f64; D] = from_fn(|i| x[i] - self.centre[i]);
+        let beyond = |edges| distance_from_planes(edges, &d);
+        self.distance_of_box(&d).max(self.edges.as_ref().map_or(0.0, beyond))
+    }
+}
+
+/// The largest distance from the planes of the parallelepiped of the point at the distance `d` from its centre; 0 inside.
+fn distance_from_planes<const D: usize>((inverse, reach): &(Matrix, [f64; D]), d: &[f64; D]) -> f64 {
+    let beyond = |i: usize| {
+        let row: [f64; D] = from_fn(|j| inverse.row(i)[j]);
+        (dot(&row, d).abs() - reach[i]) / norm(&row)
+    };
+    (0..D).map(beyond).fold(0.0, f64::max)
 }
 
 /// The box alone.
 impl<const D: usize> Enclosure<D> {
+    /// Its distance from the point that is `d` away from its centre; 0 inside.
+    fn distance_of_box(&self, d: &[f64; D]) -> f64 {
+        norm(&from_fn::<f64, D, _>(|i| (d[i].abs() - self.extent[i]).max(0.0)))
+    }
+
     /// Whether it meets the box from `lower` to `upper`.
     pub fn meets(&self, lower: &[f64; D], upper: &[f64; D]) -> bool {
         let [centre, extent] = [&self.centre, &self.extent];
         (0..D).all(|i| lower[i] <= centre[i] + extent[i] && upper[i] >= centre[i] - extent[i])
-    }
-
-    /// Its distance from `x`; 0 inside.
-    pub fn distance(&self, x: &[f64; D]) -> f64 {
-        norm(&from_fn::<f64, D, _>(|i| ((x[i] - self.centre[i]).abs() - self.extent[i]).max(0.0)))
     }
 
     /// Its diagonal.
@@ -112,6 +128,19 @@ fn legendre_polynomials(count: usize, x: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A thin oblique cell fills little of its box: all cells with such boxes were searched for a point in them.
+    #[test]
+    fn a_point_in_the_box_is_away_from_an_oblique_cell() {
+        let (order, thin) = (2, 0.1);
+        let corner = |k: usize| [(k % 2) as f64 + thin * (k / 2) as f64, (k % 2) as f64];
+        let nodal: Vec<f64> = (0..2).flat_map(|i| (0..4).map(move |k| corner(k)[i])).collect();
+        let enclosure = Enclosure::<2>::new(&to_legendre(order), &nodal);
+        let away = enclosure.distance(&[0.1, 0.9]);
+        // The line x = y is the side of the cell.
+        assert!((away - 0.8 / 2.0_f64.sqrt()).abs() < 1e-5, "{away}");
+        assert_eq!(enclosure.distance(&[0.55, 0.5]), 0.0);
+    }
 
     #[test]
     fn coefficients_of_a_polynomial_are_found() {
