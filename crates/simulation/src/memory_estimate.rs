@@ -81,8 +81,8 @@ impl MemoryEstimate {
     pub fn new<const D: usize>(case: &Case<D>, plan: Option<&elasticity::Plan>) -> Self {
         let memory = MemoryEstimate::of_flow(case);
         // The solver of a slab is freed when that of the next one is there.
-        let solvers = if matches!(&case.motion, Some(Motion::Elastic { law, .. }) if !law.is_linear()) { 2 } else { 1 };
-        let solver = plan.map_or(0, |plan| solvers * plan.bytes);
+        let is_updated = matches!(&case.motion, Some(Motion::Elastic { law, .. }) if *law != elasticity::Law::Linear);
+        let solver = plan.map_or(0, |plan| if is_updated { 2 * plan.bytes } else { plan.bytes });
         MemoryEstimate { mesh: memory.mesh + solver + structure(case), ..memory }
     }
 
