@@ -89,8 +89,8 @@ impl<const D: usize> AddAssign for WallForce<D> {
 /// C_D = F_w . e_D / (q A),  C_L = F_w . (e_z x e_D) / (q A),  C_M = M_w . a / (q A L),  q = rho U^2 / 2            (coefficients)
 /// ```
 ///
-/// In space e_z x e_D is scaled to unit length. Lift is to the left of drag. A moment about a = e_z is positive counter-clockwise. A moment about a = -e_z is positive if it
-/// raises the nose, which is upstream, towards the lift.
+/// In space e_z x e_D is scaled to unit length. Lift is to the left of drag. A moment about a = e_z is positive counter-clockwise. A moment
+/// about a = -e_z is positive if it raises the nose, which is upstream, towards the lift.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceScales<const D: usize> {
     /// q.

@@ -1,6 +1,7 @@
 //! A run that starts from the result of another one.
 
 mod carried;
+mod changes;
 mod drives;
 mod error;
 mod loaded;
@@ -13,13 +14,11 @@ pub use error::RestartError;
 
 use super::averages;
 use super::statistics::RunStatistics;
-use super::{bodies, checkpoint, fallback, motion_jump, surfaces};
+use super::{bodies, checkpoint, motion_jump, surfaces};
 use crate::crew::OfCells;
 use crate::error::Failure;
-use case::{
-    AllowedChange, Case, Differences, Flow, Time, bodies_of, differences, gas_of, motion_of, quadrature_of,
-    reference_pressure_of,
-};
+use case::{AllowedChange, Case, Differences, Flow, Time, bodies_of, differences, motion_of, reference_pressure_of};
+use changes::Changes;
 use coupled::block::BodyState;
 use coupled::{MeshMotion, MeshMover, State};
 use fem::{Layout, Orders};
@@ -30,9 +29,6 @@ use other_mesh::{forget_averages, forget_cells};
 use output::{Arrays, Checkpoint, RESULT_FILE, ResultReader, Series};
 use std::path::PathBuf;
 use std::sync::Arc;
-
-/// The remedy if the gas differs.
-const ALLOW: &str = "; `restart.allow = [\"viscosity\"]`, or \"mach\", if it is to change";
 
 /// The tables of a case on which its steady flow depends.
 const STEADY_PROBLEM: [&str; 7] = ["constants", "tables", "flow", "motion", "bodies", "structure", "solver.steady"];
@@ -105,37 +101,6 @@ struct Origin {
     stored: Checkpoint,
 }
 
-/// What the case of a run has of another kind than that of the run that it continues.
-struct Changes {
-    /// The mesh.
-    mesh: bool,
-    /// The gas.
-    gas: bool,
-    /// The reference pressure, by another Mach number.
-    pressure: bool,
-    /// The integrals over cells.
-    quadrature: bool,
-    /// Rigid bodies or the structure.
-    bodies: bool,
-}
-
-impl Changes {
-    /// Why distributions along walls begin anew on the same mesh, for a run that goes on in the orders `to`, if they do.
-    fn of_distributions(&self, from: Orders, to: Orders) -> Option<&'static str> {
-        let has_other_points = from.flow != to.flow || from.mesh != to.mesh || self.quadrature;
-        match (self.gas, has_other_points) {
-            (true, _) => Some("gas"),
-            (false, true) => Some("order or quadrature"),
-            (false, false) => None,
-        }
-    }
-
-    /// Whether the energies of flow and bodies are measured in another way.
-    fn of_energies(&self) -> bool {
-        self.mesh || self.pressure || self.quadrature || self.bodies
-    }
-}
-
 impl Origin {
     /// Its state, as a state of `case`.
     fn continued<const D: usize, const M: usize>(
@@ -176,19 +141,6 @@ impl Origin {
         let (surfaces, begins_surfaces) = (Vec::new(), changes.mesh || changed.is_some());
         let is_measured_anew = changes.of_energies();
         Ok(Start { checkpoint, warnings, surfaces, added_walls, begins_surfaces, searches_anew, is_measured_anew })
-    }
-
-    /// What `case` changes. A change that it may not make is an error.
-    fn changes<const D: usize>(&self, case: &Case<D>) -> Result<Changes, RestartError> {
-        let mesh = self.check_mesh(case)?;
-        let gas = self.check_flow(case)?;
-        Ok(Changes {
-            mesh,
-            gas,
-            pressure: gas && case.allows(AllowedChange::Mach),
-            quadrature: self.has_other_quadrature(case)?,
-            bodies: self.is_other(case, &["bodies", "structure"])?,
-        })
     }
 
     /// The sums and the history of the run, without averages over cells that are others or of another gas.
@@ -263,41 +215,8 @@ impl Origin {
         differences(&self.result.metadata.case_text, &case.about.resolved).map_err(|reason| self.unreadable(reason))
     }
 
-    /// Whether the flow of `case` has other integrals over the cells.
-    fn has_other_quadrature<const D: usize>(&self, case: &Case<D>) -> Result<bool, RestartError> {
-        let quadrature = |text: &str| quadrature_of(text).map_err(|reason| self.unreadable(reason));
-        let there = quadrature(&self.result.metadata.case_text)?;
-        Ok(there != quadrature(&case.about.resolved)? || fallback::since(&self.stored.state.arrays).is_some())
-    }
-
     fn incomplete(&self) -> RestartError {
         self.differs("the checkpoint", "incomplete", "that of a flow")
-    }
-
-    /// The gas in both cases, as text and without what is `allowed` to change.
-    fn gases<const D: usize>(&self, case: &Case<D>, allowed: &[AllowedChange]) -> Result<[String; 2], RestartError> {
-        let gas =
-            |text: &str| gas_of(text, allowed).map(Option::unwrap_or_default).map_err(|reason| self.unreadable(reason));
-        Ok([gas(&self.result.metadata.case_text)?, gas(&case.about.resolved)?])
-    }
-
-    /// The result must hold a flow of the same gas; the case may allow changes. Returns whether the gas has changed.
-    fn check_flow<const D: usize>(&self, case: &Case<D>) -> Result<bool, RestartError> {
-        let [there, here] = self.gases(case, &[])?;
-        if !self.result.layout.exact.iter().any(|array| array.name == "flow") {
-            return Err(self.differs("what is solved", "no flow", "a flow"));
-        }
-        if there == here {
-            return Ok(false);
-        }
-        let [there, here] = self.gases(case, &case.allowed_changes)?;
-        if there != here {
-            let everything = [AllowedChange::Viscosity, AllowedChange::Mach];
-            let [rest_there, rest_here] = self.gases(case, &everything)?;
-            let remedy = if rest_there == rest_here { ALLOW } else { "; a flow of another gas cannot be taken over" };
-            return Err(self.differs("the gas", there, here + remedy));
-        }
-        Ok(true)
     }
 
     /// The bodies must be the same, with the same coordinates; structures must be as large.

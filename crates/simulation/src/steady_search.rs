@@ -167,8 +167,7 @@ fn with_cause(error: NoEquilibrium) -> anyhow::Error {
 /// What no boundary and no source can change.
 fn invariants<const D: usize>(flow: &Flow<D>) -> Invariants {
     let every = |holds: fn(&BoundaryData<D>) -> bool| flow.boundary.iter().all(holds);
-    let mass = flow.conserves_mass()
-        && every(|data| data.condition.is_wall() || matches!(data.condition, Boundary::Symmetry(_)));
+    let mass = flow.conserves_mass() && every(|data| data.condition.is_solid());
     let is_idle = mass && flow.source.is_none();
     // A wall with data slides.
     let energy = is_idle && every(|data| !matches!(data.condition, Boundary::IsothermalWall(_)) && data.data.is_none());

@@ -1,10 +1,10 @@
 //! Collocated quadrature and split forms in whole runs: accuracy, conservation, robustness, the same bits after a resume.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod common;
 
-use common::{assert_same_bits, column, finished, number, on_case, stsolve};
+use common::{assert_same_bits, column, finished, number, on_case, on_text, stsolve};
 use tempfile::TempDir;
 
 /// A vortex on a mesh whose nodes move by sines, coarse.
@@ -138,4 +138,56 @@ fn a_mesh_that_gauss_points_turn_inside_out_is_refused() {
     };
     check(text, 2, "interpolated from the nodes of the flow to the Gauss points, is not positive");
     check(&text.replace("\"collocated\"", "\"collocated_lobatto\""), 0, "");
+}
+
+/// A cylinder on a torsion spring in viscous gas, released from an angle.
+const TORSION: &str = r#"
+    time = { order = 3, end = 3, step = 0.2 }
+    solver = { newton_tolerance = 1e-6 }
+    [mesh]
+    order = 5
+    [mesh.generate.annulus]
+    inner_radius = 1
+    outer_radius = 2
+    first_cell = 0.15
+    cells = [8, 3]
+    [flow]
+    order = 5
+    gas = { gamma = 1.4, viscosity = { constant = 0.05 } }
+    initial = { expression = { density = 1, velocity = [0, 0], pressure = "10^2/1.4" } }
+    reference = { density = 1, speed = 1, pressure = "10^2/1.4", length = 1 }
+    [flow.boundary]
+    others = { adiabatic_wall = {} }
+    [bodies.ball]
+    walls = ["wall"]
+    mass = 1
+    moment_of_inertia = 2
+    rotation = { spring = 2, rest = 0.1 }
+    mesh = { between = { inner = 1.05, outer = 1.95 } }
+"#;
+
+/// With two nodes in time the pressure of the gas at rest works on the wall that turns, 1e4 times the pressure of its motion. `check` tells.
+#[test]
+fn slow_bodies_that_turn_need_three_nodes_in_time_in_a_collocated_rule() {
+    let directory = TempDir::new().unwrap();
+    let angles = |name: &str, set: &[&str]| {
+        on_text(directory.path(), TORSION, set, name, &["--quiet"]).expect(0, &[]);
+        column(&directory.path().join(name), "ball_rotation")
+    };
+    let exact = angles("default", &[]);
+    let error = |name: &str, set: &[&str]| {
+        let off = angles(name, set).iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        println!("{name}: {:.1e} of the amplitude", off / 0.1);
+        off / 0.1
+    };
+    let collocated = "flow.quadrature=\"collocated\"";
+    assert!(error("conserving, 2 nodes", &["time.order=2"]) < 2e-4);
+    assert!(error("collocated, 3 nodes", &[collocated]) < 5e-5);
+    assert!(error("collocated, 2 nodes", &[collocated, "time.order=2"]) < 0.02);
+    let told = |set: &[&str]| {
+        let set: Vec<&str> = set.iter().flat_map(|change| ["--set", *change]).collect();
+        let checked = stsolve(directory.path(), &[&["check", "case.toml", "--probe", "never"], &set[..]].concat());
+        checked.stdout.contains("pressure at rest works on walls that turn")
+    };
+    assert!(told(&[collocated, "time.order=2"]) && !told(&[collocated]) && !told(&["time.order=2"]));
 }

@@ -40,6 +40,13 @@ pub struct RigidBody<const D: usize> {
     pub mesh: Option<FollowingMesh>,
 }
 
+impl<const D: usize> RigidBody<D> {
+    /// Whether it has a rotation among its coordinates.
+    pub fn rotates(&self) -> bool {
+        self.freedoms.iter().any(|freedom| freedom.direction.rotates())
+    }
+}
+
 /// A translation or rotation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Freedom {
@@ -289,7 +296,7 @@ impl<const D: usize> Given<'_, D> {
 
     /// A rotation moves points that periodicity identifies together only if its axis lies along the period.
     fn check_turns(&self, key: &Key, body: &RigidBody<D>) -> Checked<()> {
-        if !body.freedoms.iter().any(|freedom| freedom.direction.rotates()) {
+        if !body.rotates() {
             return Ok(());
         }
         let numbering = NodeNumbering::new(self.mesh, self.mesh.order());

@@ -67,7 +67,7 @@ impl<const D: usize> Case<D> {
         let itself = itself.map(|facet| (facet.minus.cell, facet.minus.face / 2));
         let is_plane = |boundary: usize| {
             let condition = self.flow.as_ref().map(|flow| &flow.boundary[boundary].condition);
-            matches!(condition, Some(Boundary::Symmetry(_) | Boundary::SlipWall(_)))
+            condition.is_some_and(Boundary::is_slip)
         };
         let mut planes: Vec<(usize, usize)> = self
             .mesh

@@ -4,7 +4,6 @@ use super::mesh_crate::{Mesh, NodeNumbering};
 use super::{Flow, Motion};
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
-use navier_stokes::Boundary;
 use std::collections::BTreeMap;
 
 /// The C0 nodes of a boundary, and which components of their displacement it prescribes.
@@ -49,9 +48,7 @@ pub(super) fn check_walls<const D: usize>(
     flow: Option<&Flow<D>>,
 ) -> Checked<()> {
     let (Some(Motion::Elastic { slides, .. }), Some(flow)) = (motion, flow) else { return Ok(()) };
-    let sticks =
-        |condition: &Boundary<D>| matches!(condition, Boundary::AdiabaticWall(_) | Boundary::IsothermalWall(_));
-    let both = |index: &usize| slides[*index].is_some() && sticks(&flow.boundary[*index].condition);
+    let both = |index: &usize| slides[*index].is_some() && flow.boundary[*index].condition.is_no_slip();
     let Some(index) = (0..slides.len()).find(both) else { return Ok(()) };
     let name = &mesh.boundary_names()[index];
     let problem =

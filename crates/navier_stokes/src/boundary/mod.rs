@@ -198,6 +198,11 @@ impl<const D: usize> Boundary<D> {
         self.is_wall() || matches!(self, Boundary::Symmetry(_))
     }
 
+    /// Whether gas slips along the boundary, and does not pass it.
+    pub fn is_slip(&self) -> bool {
+        matches!(self, Boundary::SlipWall(_) | Boundary::Symmetry(_))
+    }
+
     /// Whether gas sticks to the boundary.
     pub fn is_no_slip(&self) -> bool {
         matches!(self, Boundary::AdiabaticWall(_) | Boundary::IsothermalWall(_))

@@ -51,7 +51,7 @@ fn velocity_inflow_lets_gas_leave<const D: usize, const M: usize>() {
         let flux = law.boundary_flux(mass_flux, &u, at(&n, &[0.0; D], &fits));
         assert!(difference(&flux, &normal_flux(&u, &n, &[0.0; D])) <= 1e-13);
         if dot(&momentum, &n) > 0.0 {
-            // Suction at the given temperature 1 had the pressure of gas with that temperature.
+            // Gas that leaves had the pressure of gas at the given temperature.
             let suction: [f64; M] = values(0.0, momentum, 9.0);
             let flux = law.boundary_flux(mass_flux, &u, at(&n, &[0.0; D], &suction));
             assert!(difference(&flux, &normal_flux(&u, &n, &[0.0; D])) <= 1e-13);

@@ -35,7 +35,7 @@ pub fn surface<const D: usize>(patch: &Patch<D>, plane: Plane) -> Triangles {
 }
 
 /// The value at the fraction `part` of the way from a to b. Structures have the same infinite value everywhere.
-fn mixed([a, b]: [f64; 2], part: f64) -> f64 {
+pub fn mixed([a, b]: [f64; 2], part: f64) -> f64 {
     if a == b { a } else { a + part * (b - a) }
 }
 

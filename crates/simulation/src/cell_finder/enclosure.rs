@@ -2,7 +2,7 @@
 
 use basis::{Lagrange, Matrix, gauss};
 use std::array::from_fn;
-use tensor::{dot, norm};
+use tensor::norm;
 
 /// Enclosures are enlarged by this fraction of their extent, against rounding.
 const MARGIN: f64 = 1e-6;
@@ -54,18 +54,19 @@ impl<const D: usize> Enclosure<D> {
     /// At most the distance of the cell from `x`; 0 inside both.
     pub fn distance(&self, x: &[f64; D]) -> f64 {
         let d: [f64; D] = from_fn(|i| x[i] - self.centre[i]);
-        let beyond = |edges| distance_from_planes(edges, &d);
-        self.distance_of_box(&d).max(self.edges.as_ref().map_or(0.0, beyond))
+        self.distance_of_box(&d).max(self.edges.as_ref().map_or(0.0, |edges| distance_from_planes(edges, &d)))
     }
 }
 
 /// The largest distance from the planes of the parallelepiped of the point at the distance `d` from its centre; 0 inside.
-fn distance_from_planes<const D: usize>((inverse, reach): &(Matrix, [f64; D]), d: &[f64; D]) -> f64 {
-    let beyond = |i: usize| {
-        let row: [f64; D] = from_fn(|j| inverse.row(i)[j]);
-        (dot(&row, d).abs() - reach[i]) / norm(&row)
-    };
-    (0..D).map(beyond).fold(0.0, f64::max)
+fn distance_from_planes<const D: usize>(edges: &(Matrix, [f64; D]), d: &[f64; D]) -> f64 {
+    let length = |i: usize| norm(&from_fn::<f64, D, _>(|j| edges.0.row(i)[j]));
+    (0..D).map(|i| beyond(edges, d, i) / length(i)).fold(0.0, f64::max)
+}
+
+/// How far the point at the distance `d` is beyond the planes of the parallelepiped along edge `i`, in its reference coordinate.
+fn beyond<const D: usize>((inverse, reach): &(Matrix, [f64; D]), d: &[f64; D], i: usize) -> f64 {
+    inverse.row(i).iter().zip(d).map(|(g, d)| g * d).sum::<f64>().abs() - reach[i]
 }
 
 /// The box alone.
@@ -88,9 +89,8 @@ impl<const D: usize> Enclosure<D> {
 }
 
 /// Whether the parallelepiped contains the point at the distance `d` from its centre.
-fn is_between<const D: usize>((inverse, reach): &(Matrix, [f64; D]), d: &[f64; D]) -> bool {
-    let along = |i: usize| inverse.row(i).iter().zip(d).map(|(g, d)| g * d).sum::<f64>();
-    (0..D).all(|i| along(i).abs() <= reach[i])
+fn is_between<const D: usize>(edges: &(Matrix, [f64; D]), d: &[f64; D]) -> bool {
+    (0..D).all(|i| beyond(edges, d, i) <= 0.0)
 }
 
 /// Applies a square matrix along an axis of a lattice of values, axis 0 fastest.

@@ -5,7 +5,7 @@ use super::grid::{Grid, difference};
 use case::Flow;
 use fem::BoundaryPoint;
 use mesh::{BoundaryFacet, face_nodes, outward_area};
-use navier_stokes::{Boundary, Gas, Primitive};
+use navier_stokes::{Gas, Primitive};
 use tensor::{dot, norm};
 
 /// States `[point][component]` of a cell with its points at given positions.
@@ -195,8 +195,7 @@ impl<const D: usize, const M: usize> Beside<'_, D, M> {
         let c = sound_speed(gas, inside).max(f64::MIN_POSITIVE);
         let ratio = |a: f64, b: f64| Some((a / b).ln().abs()).filter(|size| size.is_finite()).unwrap_or(0.0);
         let [t, t_asked] = [temperature(inside), temperature(target_state)];
-        let prescribes_normal_velocity =
-            matches!(self.flow.boundary[boundary].condition, Boundary::SlipWall(_) | Boundary::Symmetry(_));
+        let prescribes_normal_velocity = self.flow.boundary[boundary].condition.is_slip();
         let velocity = match prescribes_normal_velocity {
             true => normal_velocity(n, inside, target_state, c),
             false => velocity_along(inside, target_state, c),

@@ -55,16 +55,19 @@ where
 /// The warning about a steady flow, with the remedy.
 fn warning(reliability: &Reliability) -> Option<String> {
     let stability = reliability.stability?;
-    if stability.is_undecided() {
-        let Stability { growth, duration, .. } = stability;
-        return Some(format!(
-            "the steady flow may be unstable: marched in time, its rate of change grew by a factor of {growth:.1} within {duration:.2e}; a longer \
-             `solver.steady.stability_time` tells"
-        ));
+    match (stability.is_unstable(), stability.is_undecided()) {
+        (true, _) => Some(unstable(reliability, &stability)),
+        (false, true) => Some(format!(
+            "the steady flow may be unstable: marched in time, its rate of change grew by a factor of {:.1} within {:.2e}; a longer \
+             `solver.steady.stability_time` tells",
+            stability.growth, stability.duration
+        )),
+        (false, false) => None,
     }
-    if !stability.is_unstable() {
-        return None;
-    }
+}
+
+/// The same where it is unstable.
+fn unstable(reliability: &Reliability, stability: &Stability) -> String {
     let seen = match stability.completed {
         true => {
             format!("within {:.2e} its rate of change grew by a factor of {:.1e}", stability.duration, stability.growth)
@@ -81,5 +84,5 @@ fn warning(reliability: &Reliability) -> Option<String> {
             "It may be a solution of the discrete equations only: a higher `flow.order` or smaller cells, until the forces agree"
         }
     };
-    Some(format!("the steady flow is unstable: marched in time, {seen}; {resolution}. {meaning}"))
+    format!("the steady flow is unstable: marched in time, {seen}; {resolution}. {meaning}")
 }

@@ -15,7 +15,7 @@ impl Origin {
         searches_anew: bool,
     ) -> Result<Vec<String>, RestartError> {
         let start = self.misunderstood_start(case, state.time)?;
-        let search = if searches_anew { None } else { self.finished_or_unfinished_search(case, state, sums)? };
+        let search = if searches_anew { None } else { self.of_search(case, state, sums)? };
         let unused = self.unused_keys(case, state)?;
         Ok(start.into_iter().chain(search).chain(unused).collect())
     }
@@ -41,7 +41,7 @@ impl Origin {
 
     /// A warning if the run has found its steady flow with other settings of the search, or has not finished the search and this one does not
     /// search.
-    fn finished_or_unfinished_search<const D: usize>(
+    fn of_search<const D: usize>(
         &self,
         case: &Case<D>,
         state: &State,

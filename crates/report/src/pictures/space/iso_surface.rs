@@ -1,5 +1,6 @@
 //! Iso-surfaces by marching tetrahedra.
 
+use super::super::surface::mixed;
 use super::surface::TriangleSurface;
 use crate::simplices::{crossings, simplices};
 use tensor::cofactor;
@@ -18,7 +19,7 @@ pub fn iso_surface((points, parts): (&[[f64; 3]], usize), q: &[f64], level: f64,
             out.points.push(between(&points[a], &points[b], part));
             out.normals.push(between(&gradients[a], &gradients[b], part));
             let value = |point: usize, k: usize| values[point * quantities + k];
-            out.values.extend((0..quantities).map(|k| value(a, k) + part * (value(b, k) - value(a, k))));
+            out.values.extend((0..quantities).map(|k| mixed([value(a, k), value(b, k)], part)));
         }
         out.triangles.extend((2..crossings.len()).map(|k| [first + k - 2, first + k - 1, first + k]));
     }

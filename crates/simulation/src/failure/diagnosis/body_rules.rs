@@ -42,8 +42,8 @@ pub fn folding_weights(data: &FailureData) -> Option<Cause> {
             "the mesh that follows a body by weights folds: det J / det J_0 is {} in the worst cell",
             number(data.mesh.smallest_det_j)
         ),
-        remedy: "in `bodies.NAME.mesh` let the weight fall less steeply: a smaller `inner` and a larger `outer`, short of other walls, or another formula; or leave \
-                 `mesh` out: then the mesh is an elastic body"
+        remedy: "in `bodies.NAME.mesh` let the weight fall less steeply: a smaller `inner` and a larger `outer`, short of other walls, or another \
+                 formula; or leave `mesh` out: then the mesh is an elastic body"
             .into(),
     })
 }

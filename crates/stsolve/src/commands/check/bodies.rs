@@ -22,8 +22,8 @@ fn wall_beside_body<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Opt
     let (body, boundary) = wall_that_follows(facts.case, flow)?;
     let (name, wall) = (&body.name, &facts.case.mesh.boundary_names()[boundary]);
     let text = format!(
-        "`bodies.{name}.mesh` moves the wall `{wall}`, which is of no body, across itself, or along itself with the gas that sticks to it: a smaller `outer`, a `weight` that is 0 there, or an elastic \
-         mesh (no `bodies.{name}.mesh`)"
+        "`bodies.{name}.mesh` moves the wall `{wall}`, which is of no body, across itself, or along itself with the gas that sticks to it: a smaller \
+         `outer`, a `weight` that is 0 there, or an elastic mesh (no `bodies.{name}.mesh`)"
     );
     warning("wall beside a body", text)
 }

@@ -17,9 +17,7 @@ pub(super) fn friction<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> 
     if flow.law.gas.viscosity() != Viscosity::Inviscid {
         return None;
     }
-    let sticks =
-        |condition: &Boundary<D>| matches!(condition, Boundary::AdiabaticWall(_) | Boundary::IsothermalWall(_));
-    let index = flow.boundary.iter().position(|data| sticks(&data.condition))?;
+    let index = flow.boundary.iter().position(|data| data.condition.is_no_slip())?;
     let text = format!(
         "`{}` is a wall without slip, in a gas without viscosity: `flow.gas.viscosity = {{ constant = ... }}`, density times speed times length \
          over the Reynolds number that is wanted; or the condition \"slip_wall\"",

@@ -142,11 +142,9 @@ where
         Warning { subject: "opening", text: format!("{}: {}", record.told(name), record.now.misuse.remedy(name)) }
     };
     let jump = |Mismatch { boundary, quantity, inside, target_state, .. }: &Mismatch| {
-        let is_solid = |name: &str| {
-            let index = case.mesh.boundary_names().iter().position(|other| other == name);
-            index.is_some_and(|index| flow.boundary[index].condition.is_solid())
-        };
-        let remedy = match is_solid(boundary) {
+        let is_named = |(_, name): &(_, &String)| *name == boundary;
+        let named = flow.boundary.iter().zip(case.mesh.boundary_names()).find(is_named);
+        let remedy = match named.is_some_and(|(data, _)| data.condition.is_solid()) {
             true => "let the velocity across it fall to zero at it, by a formula in `flow.initial`".to_owned(),
             false => format!("compare `flow.boundary.{boundary}` with `flow.initial`, also their units"),
         };

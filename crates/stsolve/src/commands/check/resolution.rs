@@ -102,24 +102,22 @@ pub(super) fn times_of_quadrature<const D: usize>(
     if !collocated || case.motion.is_none() && case.bodies.is_empty() {
         return None;
     }
-    match case.time.order {
+    let text = match case.time.order {
         1 => {
-            let text = "with one node in time a collocated rule sees a slab at one time only, and pressure at rest works on walls that turn: \
-                        `time.order = 2` or more, or `flow.quadrature = \"conserving\"`";
-            warning("quadrature in time", text.to_owned())
+            "with one node in time a collocated rule sees a slab at one time only, and pressure at rest works on walls that turn: \
+             `time.order = 2` or more, or `flow.quadrature = \"conserving\"`"
         }
         2 if flow.law.reference.mach() < SLOW && turns(case, walls) => {
-            let text = "with two nodes in time and a collocated rule pressure at rest works on walls that turn, the more the slower the flow is beside \
-                        sound: shorter slabs, `time.order = 3`, or `flow.quadrature = \"conserving\"`";
-            warning("quadrature in time", text.to_owned())
+            "with two nodes in time and a collocated rule pressure at rest works on walls that turn, the more the slower the flow is beside \
+             sound: shorter slabs, `time.order = 3`, or `flow.quadrature = \"conserving\"`"
         }
-        _ => None,
-    }
+        _ => return None,
+    };
+    warning("quadrature in time", text.to_owned())
 }
 
 /// Whether walls do more than translate: bodies that rotate, or nodes with different ways.
 fn turns<const D: usize>(case: &Case<D>, walls: &[PrescribedNode<D>]) -> bool {
-    let rotates = |body: &RigidBody<D>| body.freedoms.iter().any(|freedom| freedom.direction.rotates());
     let differs = |t: f64| {
         let way = |(node, x, field): &PrescribedNode<D>| field.displacement(*node, x, t);
         let ways: Vec<[f64; D]> = walls.iter().map(way).collect();
@@ -129,7 +127,7 @@ fn turns<const D: usize>(case: &Case<D>, walls: &[PrescribedNode<D>]) -> bool {
     };
     let (start, end) = (case.time.start, case.time.end);
     let times = (1..=TIMES_OF_MOTION).map(|k| start + (end - start) * k as f64 / TIMES_OF_MOTION as f64);
-    case.bodies.iter().any(rotates) || times.into_iter().any(differs)
+    case.bodies.iter().any(RigidBody::rotates) || times.into_iter().any(differs)
 }
 
 /// A periodic motion with too few nodes in time.

@@ -61,7 +61,7 @@ impl Walls {
         let of = |chosen: fn(&Boundary<D>) -> bool| -> Vec<usize> {
             (0..flow.boundary.len()).filter(|&index| chosen(&flow.boundary[index].condition)).collect()
         };
-        let no_slip = of(|condition| matches!(condition, Boundary::AdiabaticWall(_) | Boundary::IsothermalWall(_)));
+        let no_slip = of(Boundary::is_no_slip);
         let (walls, far) = (of(Boundary::is_wall), of(|condition| matches!(condition, Boundary::FarField(_))));
         let facets = |chosen: Vec<usize>| {
             case.mesh.boundary_facets().iter().filter(move |facet| chosen.contains(&facet.boundary))
