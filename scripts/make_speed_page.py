@@ -19,7 +19,7 @@ PAGE = pathlib.Path(__file__).resolve().parent.parent / "docs" / "src" / "speed.
 
 INTRODUCTION = """# Speed
 
-All measured seconds and rates of this documentation stand on this page, with machine and date. `scripts/make_speed_page.py` writes it.
+Measured seconds and rates stand on this page, with machine and date. `scripts/make_speed_page.py` writes it.
 """
 KERNELS = {"elasticity operator": "elasticity operator", "residual": "flow residual, conserving quadrature"}
 SIZES = [(2, 4), (2, 8), (3, 4), (3, 8)]

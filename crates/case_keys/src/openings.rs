@@ -4,7 +4,7 @@ use super::Formula;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Subsonic inflow of given total state, for an observer at rest. Gas that is pushed back leaves at the total pressure. The values are
+/// Subsonic inflow of given total state, by velocities in the frame of the case. Gas that is pushed back leaves at the total pressure. The values are
 /// numbers or formulas in x, y, z and t.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -305,9 +305,9 @@ pub enum Field {
     Mach,
     /// The pressure coefficient, (p - p_ref) / (rho_ref U_ref^2 / 2), of `flow.reference`.
     PressureCoefficient,
-    /// The total pressure for an observer at rest.
+    /// The total pressure by the velocity in the frame of the case.
     TotalPressure,
-    /// The total temperature for an observer at rest.
+    /// The total temperature by the velocity in the frame of the case.
     TotalTemperature,
     /// The entropy ln(p / rho^gamma), in units of the specific heat at constant volume.
     Entropy,

@@ -158,13 +158,17 @@ impl<const D: usize> Projection<D> {
         let (values, jacobians) = (self.old.state(u), self.old.determinants(positions));
         let columns = values.len() / points;
         let weighted = Mat::from_fn(points, n, |p, i| self.weights[p] * jacobians[p] * self.test[(i, p)]);
-        let mass = &self.test * &weighted;
         let right_side = Mat::from_fn(n, columns, |i, c| {
             (0..points).map(|p| weighted[(p, i)] * values[c * points + p]).sum::<f64>()
         });
-        let solution = mass.partial_piv_lu().solve(&right_side);
+        let solution = projected(&self.test, &weighted, &right_side);
         (0..columns * n).map(|k| solution[(k % n, k / n)]).collect()
     }
+}
+
+/// M^{-1} b with the mass matrix M of test functions and the same, weighted. Compiled here once, and not for every dimension.
+fn projected(test: &Mat<f64>, weighted: &Mat<f64>, right_side: &Mat<f64>) -> Mat<f64> {
+    (test * weighted).partial_piv_lu().solve(right_side)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Boundary terms of the residual, and the flux through boundaries.
 
-use crate::conservation_law::{BoundaryPoint, ConservationLaw};
+use crate::conservation_law::{BoundaryPoint, ConservationLaw, Imposed};
 use crate::facet::{DataAt, FacetContext, Put, times_normal};
 use crate::facet_evaluation::FacetPoint;
 use crate::mode::Values;
@@ -49,11 +49,10 @@ impl<T: Real, const D: usize, const M: usize> PointFlux<T, D, M> {
     where
         T: Over<G>,
     {
-        let inviscid = law.boundary_flux(condition, minus, at);
+        let Imposed { flux: inviscid, state } = law.impose(condition, minus, at);
         let mut viscous = [minus[0].zero(); M];
         let (mut penalty, mut jump_flux) = (viscous, [viscous; D]);
         if let Some(Inside { gradient, sigma, grid }) = inside {
-            let state = law.boundary_state(condition, minus, at);
             let jump = times_normal(minus, &state, at.normal);
             let through = law.boundary_viscous_flux(condition, &state, gradient, at);
             let penalised = law.boundary_viscous_flux(condition, &state, &jump, at);

@@ -13,6 +13,16 @@ pub struct BoundaryPoint<'a, G, const D: usize, const M: usize> {
     pub data: &'a [G; M],
 }
 
+/// What a condition imposes at a point of a boundary.
+#[derive(Clone, Copy, Debug)]
+pub struct Imposed<T, const M: usize> {
+    /// The normal inviscid flux, relative to the moving facet.
+    pub flux: [T; M],
+    /// The state u_b at which viscous terms are evaluated and towards which the penalty pulls. Equal to the state inside where the condition
+    /// imposes nothing on viscous terms.
+    pub state: [T; M],
+}
+
 /// A conservation law of `M` components in `D` dimensions, on a mesh that moves with velocity v:
 ///
 /// ```text
@@ -120,22 +130,13 @@ pub trait ConservationLaw<const D: usize, const M: usize>: Send + Sync {
     /// computes a state.
     fn takes_data(&self, condition: Self::Boundary) -> bool;
 
-    /// The state u_b that `condition` imposes: the one at which viscous terms are evaluated and towards which the penalty
-    /// pulls. Equal to `minus` where the condition imposes nothing on viscous terms.
-    fn boundary_state<T: Over<G>, G: Real>(
+    /// What `condition` imposes where the state inside is `minus`.
+    fn impose<T: Over<G>, G: Real>(
         &self,
         condition: Self::Boundary,
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M];
-
-    /// The normal inviscid flux through the boundary, relative to the moving facet.
-    fn boundary_flux<T: Over<G>, G: Real>(
-        &self,
-        condition: Self::Boundary,
-        minus: &[T; M],
-        at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M];
+    ) -> Imposed<T, M>;
 
     /// The normal viscous flux F_v(state, gradient) . n through the boundary, without the part that `condition` blocks
     /// (heat at an adiabatic wall, shear at a symmetry plane). Linear in `gradient`.

@@ -102,7 +102,7 @@ mod work;
 pub use artificial_viscosity::node_grid;
 pub use boundary::{Inside, PointFlux};
 pub use boundary_flux::{BoundaryFlux, FluxPart, FluxesAt, left_during_slab};
-pub use conservation_law::{BoundaryPoint, ConservationLaw};
+pub use conservation_law::{BoundaryPoint, ConservationLaw, Imposed};
 pub use facet::penalty;
 pub use field::{StateField, VectorField};
 pub use kernels::{Differentiate, Kernels, LawKernels};

@@ -1,8 +1,11 @@
 //! Values and gradients of tensor-product polynomials at quadrature points, and their transposes, in packs of cells.
+//!
+//! Kernels and plain code may call these functions: their loops enter the instruction set of `simd` by themselves. They are compiled once and
+//! not into every kernel, whose compilation would take much longer.
 
 use crate::tables::Shape1d;
 use basis::{AlongAxis, Matrix, contract};
-use tensor::pulp::Simd;
+use tensor::pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack};
 
 /// Memory for the intermediate tensors of [`evaluate`] and [`integrate`].
@@ -22,7 +25,6 @@ impl Scratch {
     }
 
     /// [`basis::contract`], counted. The identity costs a copy.
-    #[inline(always)]
     pub(crate) fn contract<S: Simd>(
         &mut self,
         simd: S,
@@ -148,7 +150,6 @@ struct Pass<'a> {
 }
 
 /// Values and reference derivatives at the quadrature points, of `nodal[component][node]`.
-#[inline(always)]
 pub fn evaluate<S: Simd>(simd: S, lattice: Lattice, nodal: &[Pack], to: AtPoints<&mut [Pack]>, scratch: &mut Scratch) {
     let dimension = lattice.dimension;
     let ([with_values, with_gradients], values, gradients) = to.parts();
@@ -194,7 +195,6 @@ pub fn evaluate<S: Simd>(simd: S, lattice: Lattice, nodal: &[Pack], to: AtPoints
 
 /// The transpose of [`evaluate`]: `nodal[component][node]` is the sum over points of the values times the test function and of the
 /// gradients times its reference derivatives; with `add`, that is added to it.
-#[inline(always)]
 pub fn integrate<S: Simd>(
     simd: S,
     lattice: Lattice,
@@ -253,14 +253,23 @@ pub fn integrate<S: Simd>(
 }
 
 /// out += values or out := values
-#[inline(always)]
 fn add_or_set<S: Simd>(simd: S, values: &[Pack], out: &mut [Pack], add: bool) {
-    if !add {
-        return out[..values.len()].copy_from_slice(values);
-    }
-    for (out, value) in out.iter_mut().zip(values) {
-        for part in 0..Lanes::<S>::PARTS {
-            (Lanes::read(simd, out, part) + Lanes::read(simd, value, part)).write(out, part);
+    if add { simd.vectorize(Add { values, out }) } else { out[..values.len()].copy_from_slice(values) }
+}
+
+struct Add<'a> {
+    values: &'a [Pack],
+    out: &'a mut [Pack],
+}
+
+impl WithSimd for Add<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        for (out, value) in self.out.iter_mut().zip(self.values) {
+            for part in 0..Lanes::<S>::PARTS {
+                (Lanes::read(simd, out, part) + Lanes::read(simd, value, part)).write(out, part);
+            }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Derivatives of the two-point fluxes of (low order), for many faces at a time.
 
-use crate::conservation_law::{BoundaryPoint, ConservationLaw};
+use crate::conservation_law::{BoundaryPoint, ConservationLaw, Imposed};
 use crate::facet::times_normal;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{Dual, Lanes, Over, Pack, Real, WIDTH, norm};
@@ -206,9 +206,8 @@ fn on_boundary<const D: usize, const M: usize, L: ConservationLaw<D, M>, T: Over
     face: &Face<G, D>,
 ) -> [T; M] {
     let point = BoundaryPoint { normal: &face.n, velocity: &face.v, data };
-    let mut flux = law.boundary_flux(condition, minus, point);
+    let Imposed { mut flux, state } = law.impose(condition, minus, point);
     if law.is_viscous() {
-        let state = law.boundary_state(condition, minus, point);
         let jump = times_normal(minus, &state, &face.n);
         let penalised = law.boundary_viscous_flux(condition, &state, &jump, point);
         for m in 0..M {

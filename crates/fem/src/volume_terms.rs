@@ -11,6 +11,7 @@ use crate::tensor_product::{AtPoints, Lattice, evaluate, integrate};
 use crate::time_points::{TimePoint, TimePointIndex};
 use basis::AlongAxis;
 use std::marker::PhantomData;
+use tensor::pulp::{Simd, WithSimd};
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
 
 /// A time at which the terms of space are evaluated.
@@ -22,6 +23,25 @@ pub(crate) struct CellTime<'a> {
     pub(crate) of: TimePointIndex,
     /// Weights of fluxes and sources, and of the mass product.
     pub(crate) weights: [f64; 2],
+}
+
+/// The arguments of [`Kernel::space_terms`].
+struct SpaceTerms<'c, 'a, const D: usize, const M: usize, T: KernelTypes<D, M>> {
+    kernel: Kernel<'c, D, M, T>,
+    context: &'c CellContext<'a, D>,
+    geometry: Option<&'c [Pack]>,
+    time: CellTime<'c>,
+    scratch: &'c mut CellScratch,
+}
+
+impl<const D: usize, const M: usize, T: KernelTypes<D, M>> WithSimd for SpaceTerms<'_, '_, D, M, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let SpaceTerms { kernel, context, geometry, time, scratch } = self;
+        kernel.planes(context, geometry, time, scratch);
+    }
 }
 
 impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
@@ -50,8 +70,7 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
         CellGeometry { simd: self.simd, tables: self.tables, mode: PhantomData }
     }
 
-    /// Steps 1 to 4 of the volume terms at one time point, planes by planes: fluxes and mass products with their weights. If `geometry` is
-    /// not known, it is computed in the scratch.
+    /// Steps 1 to 4 of the volume terms at one time point. Slabs and the operator of space share one compiled function.
     #[inline(always)]
     pub(crate) fn space_terms(
         self,
@@ -60,6 +79,12 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
         time: CellTime,
         scratch: &mut CellScratch,
     ) {
+        self.simd.vectorize(SpaceTerms { kernel: self, context, geometry, time, scratch });
+    }
+
+    /// Steps 1 to 4, planes by planes: fluxes and mass products with their weights. If `geometry` is not known, it is computed in the scratch.
+    #[inline(always)]
+    fn planes(self, context: &CellContext<D>, geometry: Option<&[Pack]>, time: CellTime, scratch: &mut CellScratch) {
         let len = M * self.tables.orders.flow.pow(D as u32);
         let mut first = time.of.number * self.tables.volume_points();
         for (block, planes) in self.tables.planes.iter().enumerate() {

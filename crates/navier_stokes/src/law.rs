@@ -10,7 +10,7 @@ use crate::shock_capturing::ShockCapturing;
 use crate::source::Source;
 use crate::state::{Conserved, Primitive};
 use crate::two_point::{self, VolumeFlux};
-use fem::{BoundaryPoint, ConservationLaw, Kernels, LawKernels};
+use fem::{BoundaryPoint, ConservationLaw, Imposed, Kernels, LawKernels};
 use tensor::{Over, Real};
 
 /// The law in `D` dimensions: the gas, the numerical flux, and the reference state.
@@ -135,23 +135,14 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
     }
 
     #[inline(always)]
-    fn boundary_state<T: Over<G>, G: Real>(
+    fn impose<T: Over<G>, G: Real>(
         &self,
         condition: Boundary<D>,
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        condition.state(self, minus, at)
-    }
-
-    #[inline(always)]
-    fn boundary_flux<T: Over<G>, G: Real>(
-        &self,
-        condition: Boundary<D>,
-        minus: &[T; M],
-        at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        condition.flux(self, minus, at)
+    ) -> Imposed<T, M> {
+        let problem = condition.problem(self, minus, at);
+        Imposed { flux: problem.inviscid.flux(self, minus, at), state: problem.state }
     }
 
     #[inline(always)]

@@ -7,7 +7,12 @@ use super::history;
 use super::statistics::RunStatistics;
 use crate::error::Failure;
 use case::{Case, Control, NotPositive};
+use mesh::NodeNumbering;
 use output::{Arrays, SolverState};
+use std::cell::OnceCell;
+
+/// How the columns of controls in history.csv begin.
+const COLUMN: &str = "control_";
 
 /// The names of the arrays of a checkpoint.
 const NOW: &str = "controls";
@@ -21,7 +26,7 @@ pub fn check<const D: usize>(case: &Case<D>) -> Result<(), Failure> {
     let columns = history::columns(case);
     let Some(unknown) = case.controls.iter().find(|control| !columns.contains(&control.measure)) else { return Ok(()) };
     let Control { name, measure, .. } = unknown;
-    let accepted = columns.join(", ");
+    let accepted = columns.iter().filter(|column| !column.starts_with(COLUMN)).cloned().collect::<Vec<_>>().join(", ");
     Err(Failure::bad_input(anyhow::anyhow!(
         "`controls.{name}.measure`: history.csv has no column \"{measure}\"; accepted: one of {accepted}"
     )))
@@ -59,7 +64,7 @@ pub fn carry<const D: usize>(case: &Case<D>, there: &[String], arrays: &mut Arra
 
 /// The column of history.csv with the values of `control`.
 pub fn column(control: &Control) -> String {
-    format!("control_{}", control.name)
+    format!("{COLUMN}{}", control.name)
 }
 
 /// The numbers of the columns of history.csv that controls need; None where there is no such column.
@@ -92,14 +97,14 @@ pub fn note_preconditioner<const D: usize>(case: &Case<D>, made_anew: bool, stat
     }
 }
 
-/// The values after the slab that has entered `row` into history.csv: (control).
+/// The values after the slab that has entered `row` into history.csv and has left the mesh at the displacement `d`: (control).
 ///
 /// # Errors
 /// A value that is no number, or one that makes a pressure or a temperature of a boundary negative or zero. The controls then keep theirs.
 pub fn update<const D: usize>(
     case: &Case<D>,
     columns: &Columns,
-    row: &[f64],
+    (row, d): (&[f64], &[f64]),
     statistics: &mut RunStatistics,
 ) -> anyhow::Result<()> {
     if case.controls.is_empty() || case.flow.is_none() {
@@ -114,13 +119,12 @@ pub fn update<const D: usize>(
     if let Some(wrong) = values.iter().position(|value| !value.is_finite()) {
         let Control { name, measure, .. } = &case.controls[wrong];
         let (value, measured) = (values[wrong], measured[wrong]);
-        anyhow::bail!(
-            "the control `{name}` is {value} after {measure} = {measured} at t = {t}: what it measures must be finite, and its rate"
-        )
+        let wrong = if measured.is_finite() { format!("`controls.{name}.rate`") } else { format!("`{measure}`") };
+        anyhow::bail!("the control `{name}` is {value} after {measure} = {measured} at t = {t}: {wrong} is not finite")
     }
     let before = self::values(case);
     set(case, Some(&values));
-    if let Some(problem) = not_positive(case, t) {
+    if let Some(problem) = not_positive(case, d, t) {
         set(case, Some(&before));
         anyhow::bail!("{problem}");
     }
@@ -128,15 +132,22 @@ pub fn update<const D: usize>(
     Ok(())
 }
 
-/// What the controls make of a value of a boundary that must be positive, if they spoil one at `t`.
-fn not_positive<const D: usize>(case: &Case<D>, t: f64) -> Option<String> {
-    let flow = case.flow.as_ref()?;
+/// What the controls make of a value of a boundary that must be positive, if they spoil one at `t`, where the mesh has the displacement `d`.
+fn not_positive<const D: usize>(case: &Case<D>, d: &[f64], t: f64) -> Option<String> {
+    let (flow, numbering) = (case.flow.as_ref()?, OnceCell::new());
+    let displacement = |cell: usize, k: usize, _: &[f64; D]| {
+        let numbering = numbering.get_or_init(|| NodeNumbering::new(&case.mesh, case.mesh.order()));
+        let node = numbering.cell(cell)[k];
+        std::array::from_fn(|i| d[node * D + i])
+    };
     case.controls.iter().find_map(|control| {
-        let NotPositive { boundary, key, x, value, .. } = flow.not_positive_by(control, &case.mesh, t)?;
+        let NotPositive { boundary, key, x, value, .. } =
+            flow.not_positive_by(control, &case.mesh, displacement, t)?;
         let (name, number) = (&control.name, control.value.get());
         Some(format!(
             "the control `{name}` has become {number} at t = {t}: with it `{key}` of the boundary `{boundary}` is {value} at {x:?}, and must be \
-             positive: a smaller `controls.{name}.rate`, or bounds in it or in the formula by `min` and `max`"
+             positive: in a new run, which may start from this one by `restart.from`, a smaller `controls.{name}.rate`, or bounds in it or in the \
+             formula by `min` and `max`"
         ))
     })
 }

@@ -184,7 +184,7 @@ where
     }
 
     fn open(&mut self, context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
-        // A run that continues another one does not search the steady flow again, unless its orders differ.
+        // A run that continues another one does not search the steady flow again, unless that is another one, see `Start::searches_anew`.
         let row = match &self.case.solver.steady {
             Some(steady) if self.awaits_start(&context.statistics) => {
                 Some(self.start_from_steady_flow(steady, context)?)

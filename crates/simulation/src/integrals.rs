@@ -84,7 +84,7 @@ impl<const D: usize> FlowIntegrals<'_, D> {
                     Integral::Entropy => self.gas.entropy(density, pressure),
                     Integral::MomentumX => velocity[0],
                     Integral::MomentumY => velocity[1],
-                    Integral::MomentumZ => velocity.get(2).copied().unwrap_or(0.0),
+                    Integral::MomentumZ => velocity[D - 1],
                 }
         };
         let integral = |integral: &Integral| {

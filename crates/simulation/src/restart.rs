@@ -20,7 +20,7 @@ use crate::error::Failure;
 use case::{AllowedChange, Case, Differences, Flow, Time, bodies_of, differences, motion_of, reference_pressure_of};
 use changes::Changes;
 use coupled::block::BodyState;
-use coupled::{MeshMotion, MeshMover, State};
+use coupled::{MeshMotion, MeshMover, State, rounded_time};
 use fem::{Layout, Orders};
 use loaded::Loaded;
 use mesh::NodeNumbering;
@@ -31,7 +31,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The tables of a case on which its steady flow depends.
-const STEADY_PROBLEM: [&str; 7] = ["constants", "tables", "flow", "motion", "bodies", "structure", "solver.steady"];
+const STEADY_PROBLEM: [&str; 8] =
+    ["constants", "tables", "controls", "flow", "motion", "bodies", "structure", "solver.steady"];
 
 /// The start of a run that continues another one.
 #[derive(Debug)]
@@ -254,7 +255,8 @@ impl Origin {
         order: usize,
         state: &mut State,
     ) -> Result<(), RestartError> {
-        let there = reference_pressure_of(&self.result.metadata.case_text).map_err(|reason| self.unreadable(reason))?;
+        let there = reference_pressure_of::<D>(&self.result.metadata.case_text);
+        let there = there.map_err(|reason| self.unreadable(reason.to_string()))?;
         let shift = (flow.reference_pressure() - there) / (flow.law.gas.gamma() - 1.0);
         let shifts: [f64; M] = Conserved { density: 0.0, momentum: [0.0; D], energy: shift }.pack();
         let nodes = order.pow(D as u32);
@@ -280,7 +282,8 @@ impl Origin {
         if let Some(jump) = motion_jump::of_position(case, mover, state) {
             let [position, there, here] = [jump.position, jump.there, jump.here].map(|vector| vector.to_vec());
             let (path, distance) = (self.path.clone(), jump.size());
-            return Err(RestartError::MotionJumps { path, time: state.time, position, there, here, distance });
+            let time = rounded_time(state.time);
+            return Err(RestartError::MotionJumps { path, time, position, there, here, distance });
         }
         self.check_drives(case, state)?;
         let of_supports = self.check_supports(case, state)?;
@@ -305,7 +308,7 @@ impl Origin {
             format!(
                 "the boundary changes its velocity at once at t = {}, which sends a pressure wave into the flow: the point at {position:?} \
                  moves with {there:.6?} in `{path}`, and with {here:.6?} from here on",
-                state.time
+                rounded_time(state.time)
             )
         })
     }
@@ -327,7 +330,14 @@ impl Origin {
         let latest = if time.slabs == 0 { time.end } else { time.end - round_off };
         if state.time < time.start - round_off || state.time > latest {
             let Time { start, end, .. } = *time;
-            return Err(RestartError::Time { path: self.path.clone(), time: state.time, start, end });
+            let remedy = if state.time < start { "lower `time.start`, or leave it out" } else { "raise `time.end`" };
+            return Err(RestartError::Time {
+                path: self.path.clone(),
+                time: rounded_time(state.time),
+                start,
+                end,
+                remedy,
+            });
         }
         state.nominal = ((state.time - time.start + round_off) / time.step) as usize;
         let end = time.start + time.step * (state.nominal + 1) as f64;

@@ -4,8 +4,8 @@ use case::{Difference, Differences, differences_after, lasting_of};
 use output::Metadata;
 
 /// The settings that may change, and another way, for the end of a message.
-const MAY_CHANGE: &str = "only the end of the run, `time.adaptive`, `[solver]` without `steady.bodies`, tables after the checkpoint, and in `[output]` all but fields, \
-                          formulas, points, integrals and averages may change; where there is a flow, a new run starts from it with `restart.from` and \
+const MAY_CHANGE: &str = "only the end of the run, the numbers of `time.adaptive` and `solver.steady` but not whether they are there, other keys of `[solver]`, \
+                          tables after the checkpoint, and in `[output]` all but fields, formulas, points, integrals and averages may change; where there is a flow, a new run starts from it with `restart.from` and \
                           another output directory";
 
 /// The remedy where a table has become longer, for the end of a message.

@@ -45,6 +45,9 @@ impl<T: Scalar> FrontMatrix<'_, T> {
     }
 }
 
+/// Adds the entries that belong to a front.
+pub type Assembly<'a, T> = dyn Fn(&mut FrontMatrix<'_, T>) + Sync + 'a;
+
 /// The factors of a matrix of square blocks.
 pub struct Factorisation<T> {
     tree: Arc<EliminationTree>,
@@ -66,6 +69,15 @@ impl<T: Scalar> Factorisation<T> {
         block: usize,
         kind: Kind,
         assemble: impl Fn(&mut FrontMatrix<'_, T>) + Sync,
+    ) -> Result<Self, Error> {
+        T::factor(tree, block, kind, &assemble)
+    }
+
+    pub(crate) fn factored(
+        tree: Arc<EliminationTree>,
+        block: usize,
+        kind: Kind,
+        assemble: &Assembly<T>,
     ) -> Result<Self, Error> {
         let fronts = &tree.fronts;
         let complements: Vec<Mutex<Mat<T>>> = fronts.iter().map(|_| Mutex::new(Mat::new())).collect();
@@ -125,6 +137,10 @@ impl<T: Scalar> Factorisation<T> {
     /// The first half of [`Self::solve`]. For nodes that are kept it subtracts from x what the elimination of all others leaves there: the
     /// right-hand side of S.
     pub fn eliminate(&self, x: &mut [T], count: usize, work: &mut Vec<T>) {
+        T::eliminate(self, x, count, work);
+    }
+
+    pub(crate) fn forward_sweep(&self, x: &mut [T], count: usize, work: &mut Vec<T>) {
         let (mut x, (work, scratch)) = (RightHandSides { entries: x, count }, self.work_space(count, work));
         let fronts = self.tree.fronts.iter().zip(&self.factors);
         fronts.for_each(|(front, factors)| self.forward(front, factors, &mut x, work, scratch));
@@ -132,6 +148,10 @@ impl<T: Scalar> Factorisation<T> {
 
     /// The second half of [`Self::solve`]. It reads the solution at nodes that are kept.
     pub fn substitute(&self, x: &mut [T], count: usize, work: &mut Vec<T>) {
+        T::substitute(self, x, count, work);
+    }
+
+    pub(crate) fn backward_sweep(&self, x: &mut [T], count: usize, work: &mut Vec<T>) {
         let (mut x, (work, _)) = (RightHandSides { entries: x, count }, self.work_space(count, work));
         let fronts = self.tree.fronts.iter().zip(&self.factors);
         fronts.rev().for_each(|(front, factors)| self.backward(front, factors, &mut x, work));

@@ -33,6 +33,7 @@
 //! ```
 
 mod block_matrix;
+mod compiled;
 mod dependency_schedule;
 mod dissection;
 mod elimination_tree;
@@ -46,13 +47,14 @@ pub use elimination_tree::{EliminationTree, Front, eliminations};
 pub use factorisation::{Factorisation, FrontMatrix};
 pub use front::Kind;
 
+use compiled::Compiled;
 use faer::traits::ComplexField;
 use std::ops::{AddAssign, Neg, SubAssign};
 
 /// An entry of a matrix: f64, f32, or a complex number of either.
-pub trait Scalar: ComplexField + Copy + AddAssign + SubAssign + Neg<Output = Self> + Send + Sync {}
+pub trait Scalar: Compiled + ComplexField + Copy + AddAssign + SubAssign + Neg<Output = Self> + Send + Sync {}
 
-impl<T: ComplexField + Copy + AddAssign + SubAssign + Neg<Output = T> + Send + Sync> Scalar for T {}
+impl<T: Compiled + ComplexField + Copy + AddAssign + SubAssign + Neg<Output = T> + Send + Sync> Scalar for T {}
 
 /// Why a factorisation fails.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

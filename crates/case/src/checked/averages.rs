@@ -31,9 +31,17 @@ impl Averages {
     /// A part of a slab that is shorter than this fraction of it is round-off, and is not averaged.
     pub const ROUND_OFF: f64 = 1e-9;
 
-    /// Whether no part of a run that covers `time` is averaged, because they begin at its end or later.
-    pub fn begin_after(&self, time: &Time) -> bool {
-        self.from >= time.end - Self::ROUND_OFF * time.step
+    /// Why no part of a run that covers `time` is averaged, if none is.
+    pub fn missed_by(&self, time: &Time) -> Option<String> {
+        let round_off = Self::ROUND_OFF * time.step;
+        if self.from >= time.end - round_off {
+            return Some(format!(
+                "they begin at t = {} (`output.averages.from`), and the run ends at {}",
+                self.from, time.end
+            ));
+        }
+        let to = self.to.filter(|to| *to <= time.start + round_off)?;
+        Some(format!("they end at t = {to} (`output.averages.to`), and the run starts at {}", time.start))
     }
 }
 

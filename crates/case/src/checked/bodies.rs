@@ -54,7 +54,7 @@ pub struct Freedom {
     pub name: &'static str,
     /// How it moves the body.
     pub direction: Direction,
-    /// Spring, cubic spring, where they rest, damping.
+    /// Force per displacement.
     pub spring: f64,
     /// Force per cube of the displacement.
     pub cubic_spring: f64,

@@ -143,10 +143,17 @@ pub(super) fn positive_formulas<const D: usize>(data: &BoundaryData<D>) -> Vec<(
 }
 
 impl<const D: usize> Flow<D> {
-    /// The first value at `t` on a boundary of `mesh` that contains `control`, must be positive and is not.
-    pub fn not_positive_by(&self, control: &Control, mesh: &Mesh<D>, t: f64) -> Option<NotPositive> {
+    /// The first value at `t` on a boundary of `mesh` that contains `control`, must be positive and is not. Nodes have the `displacement` of
+    /// [`Self::not_positive`].
+    pub fn not_positive_by(
+        &self,
+        control: &Control,
+        mesh: &Mesh<D>,
+        displacement: impl Fn(usize, usize, &[f64; D]) -> [f64; D],
+        t: f64,
+    ) -> Option<NotPositive> {
         let contains = |formula: &Program| formula.is_controlled_by(&control.value);
-        self.not_positive_of(contains, mesh, |_, _, _| [0.0; D], &[t])
+        self.not_positive_of(contains, mesh, displacement, &[t])
     }
 
     /// The first value at one of `times` on a boundary of `mesh` that must be positive and is not. Nodes have the `displacement` of (cell,

@@ -17,6 +17,25 @@ pub(super) fn component(raw: &raw::Body) -> Option<&'static str> {
     given.into_iter().find(|(_, freedom)| freedom.is_some()).map(|(name, _)| name)
 }
 
+/// Checks that no key describes the rotation of a body that cannot turn. `pivot` also describes how the mesh follows.
+pub(super) fn check_turns(checker: &Checker<'_>, key: &Key, raw: &raw::Body) -> Checked<()> {
+    if raw.rotation.is_some() || component(raw).is_some() {
+        return Ok(());
+    }
+    let given = [
+        ("moment_of_inertia", raw.moment_of_inertia.is_some()),
+        ("inertia", raw.inertia.is_some()),
+        ("axis", raw.axis.is_some()),
+    ];
+    let Some((name, _)) = given.into_iter().find(|(_, is_given)| *is_given) else { return Ok(()) };
+    let problem = format!("`{name}` has no effect: the body has no coordinate that turns it");
+    Err(checker.combination(
+        &key.child(name),
+        &problem,
+        "this key together with `rotation`, for instance `rotation = {}`",
+    ))
+}
+
 /// The tensor of the body at `key`. A single moment is taken about every axis; a body that cannot turn needs none.
 pub(super) fn check<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::Body) -> Checked<Tensor> {
     match (&raw.inertia, &raw.moment_of_inertia) {

@@ -1,10 +1,11 @@
 //! Reads a resolved case, as a result file holds it.
 
 use super::movers::Movers;
-use super::{AllowedChange, AnyCase, Case, Flow, Freedom, Motion, RigidBody, checker_of, motion, time};
-use crate::checker::{OTHERS, Sound};
+use super::{AllowedChange, Case, Freedom, Motion, Time, bodies, checker_of, given, motion, time};
+use crate::checker::{Checked, Checker, OTHERS, Sound};
 use crate::document::Document;
 use crate::error::CaseError;
+use crate::key::Key;
 use crate::raw;
 use crate::reading::{self, Read};
 use std::path::Path;
@@ -100,18 +101,15 @@ pub fn searches_steady_flow(resolved: &str) -> Result<bool, String> {
     Ok(raw::from_toml(resolved)?.solver.steady.is_some())
 }
 
-/// The coordinates of the rigid bodies of a resolved case, body after body.
+/// The coordinates of the rigid bodies of a resolved case, body after body. `here` is a case with the same bodies.
 ///
 /// # Errors
-/// As [`gas_of`].
-pub fn freedoms_of(resolved: &str) -> Result<Vec<Vec<Freedom>>, String> {
-    fn of<const D: usize>(bodies: &[RigidBody<D>]) -> Vec<Vec<Freedom>> {
-        bodies.iter().map(|body| body.freedoms.clone()).collect()
-    }
-    let document = Document::parse(Path::new("case"), resolved.to_owned(), &[]).map_err(|error| error.to_string())?;
-    Ok(match AnyCase::check(&document).map_err(|error| error.to_string())? {
-        AnyCase::Plane(case) => of(&case.bodies),
-        AnyCase::Space(case) => of(&case.bodies),
+/// The error of `resolved`, which another version of the program may have written.
+pub fn freedoms_of<const D: usize>(resolved: &str, here: &Case<D>) -> Result<Vec<Vec<Freedom>>, Box<CaseError>> {
+    with_checker(resolved, |checker, raw| {
+        let flow = (raw.flow.is_some(), here.flow.as_ref());
+        let bodies = bodies::check(checker, &raw.bodies, &here.mesh, flow, &time_of(checker, raw)?)?;
+        Ok(bodies.into_iter().map(|body| body.freedoms).collect())
     })
 }
 
@@ -122,8 +120,14 @@ fn described(name: &str, body: &raw::Body) -> String {
     let walls = body.walls.clone().unwrap_or_else(|| vec![name.to_owned()]).join(", ");
     let pivot = body.pivot.as_ref().filter(|pivot| pivot.iter().any(|x| *x != 0.0));
     let pivot = pivot.map_or_else(|| "the origin".to_owned(), |pivot| format!("{pivot:?}"));
-    let axis = body.axis.map_or_else(String::new, |axis| format!(" and the axis {axis:?}"));
+    let axis = body.axis.filter(|axis| body.rotation.is_some() && !is_along_z(axis));
+    let axis = axis.map_or_else(String::new, |axis| format!(" and the axis {axis:?}"));
     format!("`{name}` with {}, walls {walls}, about {pivot}{axis}", coordinates.join(", "))
+}
+
+/// Whether an axis is the one that is taken where none is given.
+fn is_along_z(axis: &[f64; 3]) -> bool {
+    axis[0] == 0.0 && axis[1] == 0.0 && axis[2] > 0.0
 }
 
 /// The quadrature of a resolved case with a flow, as text: integrals over the same flow are equal where it is.
@@ -146,31 +150,46 @@ pub fn quadrature_of(resolved: &str) -> Result<Option<String>, String> {
 /// # Errors
 /// The error of `resolved`, which another version of the program may have written.
 pub fn motion_of<const D: usize>(resolved: &str, here: &Case<D>) -> Result<Option<Motion<D>>, Box<CaseError>> {
+    with_checker(resolved, |checker, raw| {
+        motion::check(checker, raw.motion.as_ref(), &here.mesh, &Movers::of(here), &time_of(checker, raw)?)
+    })
+}
+
+/// The reference pressure of a resolved case in `D` dimensions with a flow.
+///
+/// # Errors
+/// As [`motion_of`].
+pub fn reference_pressure_of<const D: usize>(resolved: &str) -> Result<f64, Box<CaseError>> {
+    with_checker(resolved, |checker, raw| {
+        let key = Key::new("flow");
+        let missing = || checker.combination(&key, "there is no reference pressure without a flow", "a section [flow]");
+        let given = given::check::<D>(checker, &key, raw.flow.as_ref().ok_or_else(missing)?)?;
+        Ok(given.reference.pressure(&given.gas))
+    })
+}
+
+/// What `check` finds of a resolved case. Its files are not read: the case does not say in which directory they are. Tables are written out.
+fn with_checker<R>(
+    resolved: &str,
+    check: impl FnOnce(&Checker<'_>, &raw::Case) -> Checked<R>,
+) -> Result<R, Box<CaseError>> {
     let document = Document::parse(Path::new("case"), resolved.to_owned(), &[])?;
     let Read { case, errors, damage } = reading::read(&document)?;
     errors.all()?;
     let raw = case.expect("a case without errors can be read");
     let Sound { checker, errors } = checker_of(&document, &raw, damage);
     errors.all()?;
-    let time = time::check(&checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some())?;
-    motion::check(&checker, raw.motion.as_ref(), &here.mesh, &Movers::of(here), &time)
+    check(&checker, &raw)
 }
 
-/// The reference pressure of a resolved case with a flow.
-///
-/// # Errors
-/// As [`gas_of`].
-pub fn reference_pressure_of(resolved: &str) -> Result<f64, String> {
-    let document = Document::parse(Path::new("case"), resolved.to_owned(), &[]).map_err(|error| error.to_string())?;
-    let pressure = match AnyCase::check(&document).map_err(|error| error.to_string())? {
-        AnyCase::Plane(case) => case.flow.as_ref().map(Flow::reference_pressure),
-        AnyCase::Space(case) => case.flow.as_ref().map(Flow::reference_pressure),
-    };
-    pressure.ok_or_else(|| "there is no flow".to_owned())
+/// The time that a resolved case covers.
+fn time_of(checker: &Checker<'_>, raw: &raw::Case) -> Checked<Time> {
+    time::check(checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some())
 }
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
 
     #[test]
@@ -181,6 +200,15 @@ mod tests {
         assert_eq!((title_of("[mesh]"), ratio_of_specific_heats_of("[mesh]")), (None, Ok(None)));
         assert_eq!(title_of("="), None);
         assert!(ratio_of_specific_heats_of("[flow]").is_err() && ratio_of_specific_heats_of("=").is_err());
+    }
+
+    /// It was read from the working directory, and its absence was taken for another version of the program.
+    #[test]
+    fn the_mesh_of_a_resolved_case_is_not_read() {
+        let text = "mesh.file = \"nowhere.msh\"\ntime = { order = 2, end = 1, step = 0.1 }\n[flow]\norder = 2\n\
+                    gas = { mach = 0.5 }\ninitial.uniform = { density = 1, velocity = [1, 0], pressure = 2 }\n\
+                    reference = { density = 1, speed = 1, pressure = 3 }\n";
+        assert_eq!(reference_pressure_of::<2>(text).unwrap(), 3.0);
     }
 
     #[test]

@@ -179,6 +179,7 @@ pub(super) fn check_together<const D: usize>(
     WholeDependent { bodies, movers, motion, .. }: &WholeDependent<D>,
 ) -> Checked<()> {
     let (flow, motion) = (flow.as_ref(), motion.as_ref());
+    time::check_integrals::<D>(checker, &raw.output.integrals)?;
     equilibrium::check(checker, raw, bodies, structure.as_ref())?;
     held_nodes::check(checker, structure.as_ref(), motion, mesh, time)?;
     held_nodes::check_bodies(checker, bodies, &movers.moved(mesh), (mesh, flow))?;

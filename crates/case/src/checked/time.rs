@@ -188,6 +188,17 @@ pub(super) fn check_output(checker: &Checker<'_>, raw: &raw::Output) -> Checked<
     errors.all().map(|()| output)
 }
 
+/// Checks that a flow in the plane is not asked for its momentum along z.
+pub(super) fn check_integrals<const D: usize>(checker: &Checker<'_>, integrals: &[Integral]) -> Checked<()> {
+    match integrals.iter().position(|integral| D == 2 && *integral == Integral::MomentumZ) {
+        Some(index) => {
+            let key = Key::new("output.integrals").entry(index);
+            Err(checker.dimension(&key, "the mesh is two-dimensional", "`momentum_x`, `momentum_y`"))
+        }
+        None => Ok(()),
+    }
+}
+
 /// Checks that only a case with a structure writes fields of one.
 pub(super) fn check_fields_of_structure(checker: &Checker<'_>, fields: &[Field], has_structure: bool) -> Checked<()> {
     match fields.iter().position(|field| field.is_of_structure()) {

@@ -108,6 +108,9 @@ const BAD: &[(&str, &[&str])] = &[
         "inertia = [1, 1, 1]\nrotation_x = { motion = \"0\", release = -1 }",
         &["right.rotation_x.release", "comes before the run", "neither of the two keys"],
     ),
+    ("moment_of_inertia = 1\ny = {}", &["right.moment_of_inertia", "has no effect", "`rotation = {}`"]),
+    ("inertia = [1, 1, 1]\ny = {}", &["right.inertia", "has no effect", "together with `rotation`"]),
+    ("axis = [1, 0, 0]\ny = {}", &["right.axis", "no coordinate that turns it"]),
     ("inertia = true\nrotation_x = {}", &["right.inertia = true`", "wrong type"]),
     ("inertia = [true, 1, 1]\nrotation_x = {}", &["right.inertia[0] = true`", "a number, a formula in quotes"]),
 ];

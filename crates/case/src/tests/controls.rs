@@ -38,6 +38,12 @@ fn names_and_places_of_controls_are_checked() {
             &[],
             &["base.toml:26", "controls.force.measure", "`output.integrals = [\"momentum_x\"]`"],
         ),
+        // It was always zero, so that the control grew without limit.
+        (
+            "[controls.force]\nmeasure = \"momentum_z\"\nrate = \"1 - measured\"\n",
+            &["output.integrals=[\"entropy\",\"momentum_z\"]"],
+            &["output.integrals[1]", "the mesh is two-dimensional", "`momentum_x`, `momentum_y`"],
+        ),
     ] {
         let message = with_controls(controls, options).unwrap_err().to_string();
         parts.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));

@@ -36,7 +36,6 @@ reference = { density = 1, speed = 1, pressure = 1 }
 boundary.others = "slip_wall"
 [bodies.right]
 mass = 1
-moment_of_inertia = 1
 mesh = { weight = "x" }
 "#;
 
@@ -130,7 +129,7 @@ fn prescribed_motions_have_a_rate() {
 #[test]
 fn an_angle_starts_at_zero_in_meshes_of_any_size() {
     let large = PISTON.replace("upper = [1, 1]", "upper = [1e9, 1e9]").replace("\"x\"", "\"x/1e9\"");
-    let jump: &[&str] = &["bodies.right.rotation={motion=\"1e-4+t\"}"];
+    let jump: &[&str] = &["bodies.right.moment_of_inertia=1", "bodies.right.rotation={motion=\"1e-4+t\"}"];
     assert_refused(&large, &[(jump, &["the motion at the start, 0.0001,", "zero at the start"])]);
     assert_accepted(&large, &[&["bodies.right.x={motion=\"1e-4+t\"}"]]);
 }

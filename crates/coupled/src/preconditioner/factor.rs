@@ -168,7 +168,8 @@ impl<T: Stored> Elimination<'_, T> {
             let back = single(coupling_block(self.jacobian, Link { side: 1 - link.side, ..*link }));
             let part = |part: usize| {
                 let inverse = &inverse[part * padded(shape.n)..];
-                self.product(&back, &self.faces[link.face].of_matrix(inverse, shape.n, shape.stride()), &there)
+                let inner = self.faces[link.face].of_matrix(inverse, shape.n, shape.stride());
+                product([&back, &inner, &there], self.jacobian.traces.len(), self.dt as f32)
             };
             new.push(Update {
                 from: self.from(position, link),
@@ -229,21 +230,20 @@ impl<T: Stored> Elimination<'_, T> {
         };
         self.shifts.iter().enumerate().map(update).collect()
     }
+}
 
-    /// dt^2 times the product of three matrices in traces, the inner one row-major; column-major.
-    fn product(&self, back: &[f32], inner: &[f32], there: &[f32]) -> Vec<f32> {
-        let t = self.jacobian.traces.len();
-        let [back, there] = [back, there].map(|matrix| MatRef::from_column_major_slice(matrix, t, t));
-        let inner = MatRef::from_row_major_slice(inner, t, t);
-        let (mut half, mut product) = (vec![0.0; t * t], vec![0.0; t * t]);
-        // One dt after the other: the square of that of a steady flow would leave the range of the numbers.
-        let dt = self.dt as f32;
-        let mut half = MatMut::from_column_major_slice_mut(&mut half, t, t);
-        matmul(half.as_mut(), Accum::Replace, back, inner, dt, Par::Seq);
-        let target = MatMut::from_column_major_slice_mut(&mut product, t, t);
-        matmul(target, Accum::Replace, half.as_ref(), there, dt, Par::Seq);
-        product
-    }
+/// dt^2 times the product of three matrices of `t` rows, the inner one row-major; column-major. Compiled here once, and not for every kind of
+/// numbers that is stored.
+fn product([back, inner, there]: [&[f32]; 3], t: usize, dt: f32) -> Vec<f32> {
+    let [back, there] = [back, there].map(|matrix| MatRef::from_column_major_slice(matrix, t, t));
+    let inner = MatRef::from_row_major_slice(inner, t, t);
+    let (mut half, mut product) = (vec![0.0; t * t], vec![0.0; t * t]);
+    // One dt after the other: the square of that of a steady flow would leave the range of the numbers.
+    let mut half = MatMut::from_column_major_slice_mut(&mut half, t, t);
+    matmul(half.as_mut(), Accum::Replace, back, inner, dt, Par::Seq);
+    let target = MatMut::from_column_major_slice_mut(&mut product, t, t);
+    matmul(target, Accum::Replace, half.as_ref(), there, dt, Par::Seq);
+    product
 }
 
 /// sum_j |A_ij| x_j

@@ -121,7 +121,6 @@ impl<const D: usize, M: Mode, L: PointLaw> WithSimd for CellMatrices<'_, D, M, L
 
 impl<const D: usize> Operator<D> {
     /// `result` = the forces of the cells of one batch for the displacement `scratch.nodal`. Returns the smallest J of every cell.
-    #[inline(always)]
     fn apply_to_batch<S: Simd, M: Mode, L: PointLaw>(
         &self,
         simd: S,
@@ -136,7 +135,8 @@ impl<const D: usize> Operator<D> {
         reference_gradients::<S, D>(simd, &self.lines, M::BLOCKS * L::FIELDS, scratch);
         let Scratch { values, gradients, between, .. } = scratch;
         // 2. the law at every point
-        let smallest = apply_law::<S, M, L, D>(simd, law, self.batch_metric(batch), gradients, field);
+        let metric = self.batch_metric(batch);
+        let smallest = simd.vectorize(LawAtPoints::<D, M, L> { law, metric, gradients, field, mode: PhantomData });
         // 3. against the reference gradients of the test functions
         let values = &mut values[..field];
         for a in 0..D {
@@ -151,7 +151,6 @@ impl<const D: usize> Operator<D> {
     }
 
     /// The reference gradients of the displacement `d` in one batch, `[direction][component][point]`.
-    #[inline(always)]
     pub(super) fn gradients_of<'a, S: Simd>(
         &self,
         simd: S,
@@ -166,7 +165,6 @@ impl<const D: usize> Operator<D> {
 }
 
 /// Interpolates to the points, and differentiates there.
-#[inline(always)]
 fn reference_gradients<S: Simd, const D: usize>(simd: S, lines: &LineTables, fields: usize, scratch: &mut Scratch) {
     let Scratch { nodal, values, gradients, between } = scratch;
     let (components, extents) = (fields * D, [lines.interpolate.rows(); D]);
@@ -182,46 +180,53 @@ fn reference_gradients<S: Simd, const D: usize>(simd: S, lines: &LineTables, fie
 
 /// Replaces H by W P(H G) G^T at every point, the factor of the reference gradients of the test functions. Returns the smallest
 /// J.
-#[inline(always)]
-fn apply_law<S: Simd, M: Mode, L: PointLaw, const D: usize>(
-    simd: S,
+struct LawAtPoints<'a, const D: usize, M, L> {
     law: L,
-    metric: &[Pack],
-    gradients: &mut [Pack],
+    metric: &'a [Pack],
+    gradients: &'a mut [Pack],
+    /// Numbers of a field at the points.
     field: usize,
-) -> Pack {
-    let points = field / D;
-    let layout = GradientLayout { points, block: L::FIELDS * field, direction: M::BLOCKS * L::FIELDS * field };
-    let direction = layout.direction;
-    let mut smallest = Pack([f64::MAX; WIDTH]);
-    for point in 0..points {
-        for part in 0..Lanes::<S>::PARTS {
-            let (weight, g) = read_metric::<S, D>(simd, metric, point, part);
-            let physical = layout.physical::<S, M::Number<S>, D>(simd, gradients, 0, (point, part), &g);
-            let rate = if L::FIELDS > 1 {
-                layout.physical::<S, M::Number<S>, D>(simd, gradients, field, (point, part), &g)
-            } else {
-                physical
-            };
-            let stress = law.stress(&physical, &rate);
-            if L::HAS_BARRIER {
-                let least = Lanes::read(simd, &smallest, part);
-                let ratio = stress.volume_ratio.primal();
-                // A minimum forgets a NaN; the products keep it.
-                (least.min(ratio) + (least + ratio) * 0.0).write(&mut smallest, part);
-            }
-            for i in 0..D {
-                let mut weighted = g[0];
-                for j in 0..D {
-                    weighted[j] = stress.piola[i][j].result() * weight;
+    mode: PhantomData<M>,
+}
+
+impl<const D: usize, M: Mode, L: PointLaw> WithSimd for LawAtPoints<'_, D, M, L> {
+    type Output = Pack;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Pack {
+        let LawAtPoints { law, metric, gradients, field, .. } = self;
+        let points = field / D;
+        let layout = GradientLayout { points, block: L::FIELDS * field, direction: M::BLOCKS * L::FIELDS * field };
+        let direction = layout.direction;
+        let mut smallest = Pack([f64::MAX; WIDTH]);
+        for point in 0..points {
+            for part in 0..Lanes::<S>::PARTS {
+                let (weight, g) = read_metric::<S, D>(simd, metric, point, part);
+                let physical = layout.physical::<S, M::Number<S>, D>(simd, gradients, 0, (point, part), &g);
+                let rate = if L::FIELDS > 1 {
+                    layout.physical::<S, M::Number<S>, D>(simd, gradients, field, (point, part), &g)
+                } else {
+                    physical
+                };
+                let stress = law.stress(&physical, &rate);
+                if L::HAS_BARRIER {
+                    let least = Lanes::read(simd, &smallest, part);
+                    let ratio = stress.volume_ratio.primal();
+                    // A minimum forgets a NaN; the products keep it.
+                    (least.min(ratio) + (least + ratio) * 0.0).write(&mut smallest, part);
                 }
-                for a in 0..D {
-                    dot(&weighted, &g[a]).write(&mut gradients[a * direction + i * points + point], part);
+                for i in 0..D {
+                    let mut weighted = g[0];
+                    for j in 0..D {
+                        weighted[j] = stress.piola[i][j].result() * weight;
+                    }
+                    for a in 0..D {
+                        dot(&weighted, &g[a]).write(&mut gradients[a * direction + i * points + point], part);
+                    }
                 }
             }
         }
+        smallest
     }
-    smallest
 }
 
 /// Where reference gradients lie: `[direction][block][field][component][point]`.

@@ -19,6 +19,11 @@ fn pairs(count: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..count).flat_map(move |k| (0..count).map(move |l| (k, l)))
 }
 
+/// The eigenvalues of a symmetric matrix, increasing; none if they are not found. Compiled here once, and not for every dimension.
+fn eigenvalues(matrix: &Mat<f64>) -> Vec<f64> {
+    matrix.self_adjoint_eigenvalues(Side::Lower).unwrap_or_default()
+}
+
 impl<const D: usize> Structure<D> {
     /// The system K(d) + m M at free entries with its low-order matrix. `position` is d; empty means at rest. `layer` is an additional mass
     /// of every node; empty means none.
@@ -79,8 +84,7 @@ impl<const D: usize> Structure<D> {
                 products[(k, l)] += motions[k][i] * motions[l][i];
             }
         }
-        let values = products.self_adjoint_eigenvalues(Side::Lower).unwrap_or_default();
-        match values[..] {
+        match eigenvalues(&products)[..] {
             [least, .., most] if least > HELD * most => Ok(()),
             _ => Err(ElasticityError::RigidMotion),
         }

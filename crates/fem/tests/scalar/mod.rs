@@ -1,6 +1,8 @@
 //! Advection and diffusion of one scalar, u_t + div (a u - nu grad u) = 0, and a slab on a curved mesh that moves.
 
-use fem::{BoundaryPoint, ConservationLaw, LawKernels, Orders, Problem, Quadrature, SlabEnd, SlabOperator, StateField};
+use fem::{
+    BoundaryPoint, ConservationLaw, Imposed, LawKernels, Orders, Problem, Quadrature, SlabEnd, SlabOperator, StateField,
+};
 use mesh::{BoxMesh, Curving, NodeNumbering};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -45,11 +47,9 @@ impl ConservationLaw<2, 1> for AdvectionDiffusion {
     fn takes_data(&self, (): ()) -> bool {
         true
     }
-    fn boundary_state<T: Over<G>, G: Real>(&self, (): (), _: &[T; 1], at: BoundaryPoint<'_, G, 2, 1>) -> [T; 1] {
-        [T::lift(at.data[0])]
-    }
-    fn boundary_flux<T: Over<G>, G: Real>(&self, (): (), minus: &[T; 1], at: BoundaryPoint<'_, G, 2, 1>) -> [T; 1] {
-        self.numerical_flux(minus, &[T::lift(at.data[0])], at.normal, dot(at.normal, at.velocity))
+    fn impose<T: Over<G>, G: Real>(&self, (): (), minus: &[T; 1], at: BoundaryPoint<'_, G, 2, 1>) -> Imposed<T, 1> {
+        let state = [T::lift(at.data[0])];
+        Imposed { flux: self.numerical_flux(minus, &state, at.normal, dot(at.normal, at.velocity)), state }
     }
     fn boundary_viscous_flux<T: Over<G>, G: Real>(
         &self,

@@ -1,9 +1,8 @@
 //! The adiabatic no-slip wall.
 
-use super::Condition;
 use super::given::{Given, Values};
 use super::no_slip::wall_velocity;
-use super::wall_pressure::wall_flux;
+use super::{BoundaryProblem, Condition, InviscidProblem};
 use crate::error::{InvalidParameter, finite};
 use crate::flux::Stresses;
 use crate::law::NavierStokes;
@@ -41,25 +40,15 @@ impl<const D: usize> AdiabaticWall<D> {
 impl<const D: usize> Condition<D> for AdiabaticWall<D> {
     /// Density and temperature from inside, the velocity of the wall.
     #[inline(always)]
-    fn state<T: Over<G>, G: Real, const M: usize>(
+    fn problem<T: Over<G>, G: Real, const M: usize>(
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
+    ) -> BoundaryProblem<T, G, D, M> {
         let inside = Primitive::unpack(&law.gas, minus);
         let velocity = lifted(&self.velocity(at));
-        Primitive { velocity, ..inside }.pack(&law.gas)
-    }
-
-    #[inline(always)]
-    fn flux<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        law: &NavierStokes<D>,
-        minus: &[T; M],
-        at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        wall_flux(law, minus, at)
+        BoundaryProblem { state: Primitive { velocity, ..inside }.pack(&law.gas), inviscid: InviscidProblem::Wall }
     }
 
     /// [0 ; tau n ; (tau n) . w_b]: friction does work on the moving wall; there is no heat.

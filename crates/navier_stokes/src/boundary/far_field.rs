@@ -1,12 +1,12 @@
 //! The far field.
 
-use super::{Condition, zero_flux};
+use super::{BoundaryProblem, Condition, InviscidProblem, zero_flux};
 use crate::error::InvalidParameter;
 use crate::flux::Stresses;
 use crate::law::NavierStokes;
 use crate::state::Primitive;
 use fem::BoundaryPoint;
-use tensor::{Over, Real, dot};
+use tensor::{Over, Real};
 
 /// A uniform free stream outside. Through the Riemann solver it acts on the incoming waves; outgoing waves pass. No
 /// viscous stress, no heat: wakes leave freely.
@@ -32,25 +32,14 @@ impl<const D: usize> FarField<D> {
 
 impl<const D: usize> Condition<D> for FarField<D> {
     #[inline(always)]
-    fn flux<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        law: &NavierStokes<D>,
-        minus: &[T; M],
-        at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        let BoundaryPoint { normal: n, velocity: v, .. } = at;
-        let outside = self.target_state(law, minus, at);
-        law.riemann.flux(&law.gas, minus, &outside, n, dot(v, n))
-    }
-
-    #[inline(always)]
-    fn target_state<T: Over<G>, G: Real, const M: usize>(
+    fn problem<T: Over<G>, G: Real, const M: usize>(
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
         _at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        self.free_stream.constant(minus[0]).pack(&law.gas)
+    ) -> BoundaryProblem<T, G, D, M> {
+        let outside = self.free_stream.constant(minus[0]).pack(&law.gas);
+        BoundaryProblem { state: *minus, inviscid: InviscidProblem::Between(outside) }
     }
 
     #[inline(always)]

@@ -1,12 +1,11 @@
 //! Subsonic inflow from a reservoir.
 
 use super::given::{Given, Values};
-use super::opening::{Facet, Reservoir};
-use super::{Condition, zero_flux};
+use super::opening::{Facet, Opening, Reservoir};
+use super::{BoundaryProblem, Condition, InviscidProblem, zero_flux};
 use crate::error::{InvalidParameter, finite, positive};
 use crate::flux::Stresses;
 use crate::law::NavierStokes;
-use crate::state::Primitive;
 use fem::BoundaryPoint;
 use tensor::{Over, Real, dot};
 
@@ -50,19 +49,22 @@ impl<const D: usize> Inflow<D> {
 
 impl<const D: usize> Condition<D> for Inflow<D> {
     #[inline(always)]
-    fn on_facet<T: Over<G>, G: Real, const M: usize>(
+    fn problem<T: Over<G>, G: Real, const M: usize>(
         &self,
-        law: &NavierStokes<D>,
+        _law: &NavierStokes<D>,
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
-    ) -> Primitive<T, D> {
+    ) -> BoundaryProblem<T, G, D, M> {
         let BoundaryPoint { normal: n, velocity: v, .. } = at;
         let Values { pressure, vector, temperature } = self.given.values(&at);
         let reservoir_velocity = [n[0].zero(); D];
         let direction = self.given.unit(&vector);
         let facet = Facet { normal: *n, normal_velocity: dot(v, n), direction, reservoir_velocity };
-        let reservoir = Reservoir { total_pressure: pressure, total_temperature: temperature };
-        reservoir.state(&law.gas, &Primitive::unpack(&law.gas, minus), &facet)
+        let reservoir = Reservoir { total_pressure: T::lift(pressure), total_temperature: temperature };
+        BoundaryProblem {
+            state: *minus,
+            inviscid: InviscidProblem::Opening(Opening { reservoir, facet, lets_supersonic_pass: false }),
+        }
     }
 
     #[inline(always)]
@@ -72,16 +74,6 @@ impl<const D: usize> Condition<D> for Inflow<D> {
         _at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
         zero_flux(stresses.velocity[0])
-    }
-
-    #[inline(always)]
-    fn target_state<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        law: &NavierStokes<D>,
-        minus: &[T; M],
-        at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        self.on_facet(law, minus, at).pack(&law.gas)
     }
 
     #[inline(always)]

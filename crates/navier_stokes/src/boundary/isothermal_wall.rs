@@ -1,9 +1,8 @@
 //! The isothermal no-slip wall.
 
-use super::Condition;
 use super::given::{Given, Values};
 use super::no_slip::wall_velocity;
-use super::wall_pressure::wall_flux;
+use super::{BoundaryProblem, Condition, InviscidProblem};
 use crate::error::{InvalidParameter, finite, positive};
 use crate::flux::Stresses;
 use crate::law::NavierStokes;
@@ -49,26 +48,19 @@ impl<const D: usize> Condition<D> for IsothermalWall<D> {
     /// The velocity and the temperature of the wall, and the pressure from inside, which the arriving acoustic wave
     /// carries.
     #[inline(always)]
-    fn state<T: Over<G>, G: Real, const M: usize>(
+    fn problem<T: Over<G>, G: Real, const M: usize>(
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
+    ) -> BoundaryProblem<T, G, D, M> {
         let pressure = Primitive::<T, D>::unpack(&law.gas, minus).pressure;
         let density = law.gas.density(pressure, T::lift(self.given.values(&at).temperature));
         let velocity = lifted(&self.velocity(at));
-        Primitive { density, velocity, pressure }.pack(&law.gas)
-    }
-
-    #[inline(always)]
-    fn flux<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        law: &NavierStokes<D>,
-        minus: &[T; M],
-        at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        wall_flux(law, minus, at)
+        BoundaryProblem {
+            state: Primitive { density, velocity, pressure }.pack(&law.gas),
+            inviscid: InviscidProblem::Wall,
+        }
     }
 
     /// [0 ; tau n ; (tau n) . w_b + kappa T_,n]

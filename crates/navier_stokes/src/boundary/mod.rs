@@ -19,6 +19,7 @@ mod no_slip;
 mod opening;
 mod outflow;
 mod prescribed_state;
+mod problem;
 mod slip_wall;
 mod supersonic_inflow;
 mod velocity_inflow;
@@ -35,51 +36,23 @@ pub use supersonic_inflow::SupersonicInflow;
 pub use velocity_inflow::VelocityInflow;
 pub use wall_pressure::WallFlux;
 
-use crate::flux::{Stresses, inviscid_normal};
-use crate::gas::Gas;
+use crate::flux::Stresses;
 use crate::law::NavierStokes;
-use crate::state::{Primitive, along};
 use fem::BoundaryPoint;
-use tensor::{Over, Real, dot};
+use problem::{BoundaryProblem, InviscidProblem};
+use tensor::{Over, Real};
 
-/// The interface of a boundary condition; [`fem::ConservationLaw`] describes the arguments. By default the inviscid flux is that of the state
-/// on the facet, and that is the state at which viscous terms are evaluated.
+/// The interface of a boundary condition; [`fem::ConservationLaw`] describes the arguments.
 pub(crate) trait Condition<const D: usize> {
-    /// The state at which viscous terms are evaluated: `minus`, unless the condition imposes another one.
-    #[inline(always)]
-    fn state<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        _law: &NavierStokes<D>,
-        minus: &[T; M],
-        _at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        *minus
-    }
-
-    /// The state on the facet.
-    #[inline(always)]
-    fn on_facet<T: Over<G>, G: Real, const M: usize>(
+    /// u_b, and the problem that the inviscid flux solves.
+    fn problem<T: Over<G>, G: Real, const M: usize>(
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
-    ) -> Primitive<T, D> {
-        Primitive::unpack(&law.gas, &self.state(law, minus, at))
-    }
+    ) -> BoundaryProblem<T, G, D, M>;
 
-    /// (F_c - u v) . n through the boundary.
-    #[inline(always)]
-    fn flux<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        law: &NavierStokes<D>,
-        minus: &[T; M],
-        at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        let BoundaryPoint { normal: n, velocity: v, .. } = at;
-        through(&law.gas, &self.on_facet(law, minus, at), n, v)
-    }
-
-    /// F_v . n through the boundary: `stresses` and heat of that state with the gradient inside, unless the condition imposes others.
+    /// F_v . n through the boundary: `stresses` and heat of u_b with the gradient inside, unless the condition imposes others.
     #[inline(always)]
     fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
         &self,
@@ -110,17 +83,6 @@ pub(crate) trait Condition<const D: usize> {
     #[inline(always)]
     fn takes_data(&self) -> bool {
         false
-    }
-
-    /// The target state of the condition: [`Self::state`], or the state outside if that imposes nothing.
-    #[inline(always)]
-    fn target_state<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        law: &NavierStokes<D>,
-        minus: &[T; M],
-        at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        self.state(law, minus, at)
     }
 }
 
@@ -168,13 +130,13 @@ macro_rules! each {
 
 /// Methods of [`Boundary`] that call the same method of the condition, with numbers T of the state and G of the geometry.
 macro_rules! forwarded {
-    ($($method:ident($($argument:ident: $type:ty),*);)*) => {$(
+    ($($method:ident($($argument:ident: $type:ty),*) -> $result:ty;)*) => {$(
         #[inline(always)]
         pub(crate) fn $method<T: Over<G>, G: Real, const M: usize>(
             &self,
             $($argument: $type,)*
             at: BoundaryPoint<'_, G, D, M>,
-        ) -> [T; M] {
+        ) -> $result {
             each!(self, condition => condition.$method($($argument,)* at))
         }
     )*};
@@ -216,14 +178,13 @@ impl<const D: usize> Boundary<D> {
         minus: &[f64; M],
         at: BoundaryPoint<'_, f64, D, M>,
     ) -> [f64; M] {
-        each!(self, condition => condition.target_state(law, minus, at))
+        self.problem(law, minus, at).target_state(law, minus)
     }
 
     forwarded! {
-        state(law: &NavierStokes<D>, minus: &[T; M]);
-        flux(law: &NavierStokes<D>, minus: &[T; M]);
-        viscous_flux(stresses: &Stresses<T, D>);
-        artificial_flux(stresses: &Stresses<T, D>);
+        problem(law: &NavierStokes<D>, minus: &[T; M]) -> BoundaryProblem<T, G, D, M>;
+        viscous_flux(stresses: &Stresses<T, D>) -> [T; M];
+        artificial_flux(stresses: &Stresses<T, D>) -> [T; M];
     }
 
     #[inline(always)]
@@ -236,15 +197,4 @@ impl<const D: usize> Boundary<D> {
 #[inline(always)]
 fn zero_flux<T: Real, const M: usize>(like: T) -> [T; M] {
     [like.zero(); M]
-}
-
-/// (F_c(u) - u v) . n of the state on a facet.
-#[inline(always)]
-fn through<T: Over<G>, G: Real, const D: usize, const M: usize>(
-    gas: &Gas,
-    state: &Primitive<T, D>,
-    n: &[G; D],
-    v: &[G; D],
-) -> [T; M] {
-    inviscid_normal(&state.pack(gas), along(&state.velocity, n), state.pressure, n, dot(v, n))
 }

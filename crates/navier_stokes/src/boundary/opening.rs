@@ -20,22 +20,50 @@ use tensor::{Over, Real, dot};
 
 /// Gas at rest of the total pressure p_0 and the total temperature T_0. The pressure is a datum, or follows from the gas inside.
 #[derive(Clone, Copy)]
-pub(super) struct Reservoir<P, G> {
-    pub(super) total_pressure: P,
+pub(crate) struct Reservoir<T, G> {
+    pub(super) total_pressure: T,
     pub(super) total_temperature: G,
 }
 
 /// A facet in the gas: its unit normal n, its normal velocity v_n, the direction d in which gas enters and the velocity of the
 /// reservoir.
 #[derive(Clone, Copy)]
-pub(super) struct Facet<G, const D: usize> {
+pub(crate) struct Facet<G, const D: usize> {
     pub(super) normal: [G; D],
     pub(super) normal_velocity: G,
     pub(super) direction: [G; D],
     pub(super) reservoir_velocity: [G; D],
 }
 
-impl<P: Real, G: Real> Reservoir<P, G> {
+/// A facet that is open to a reservoir.
+#[derive(Clone, Copy)]
+pub(crate) struct Opening<T, G, const D: usize> {
+    pub(super) reservoir: Reservoir<T, G>,
+    pub(super) facet: Facet<G, D>,
+    /// Whether gas that leaves faster than sound, w_n - v_n >= c, leaves as it is, since no wave comes in. If not, it leaves as a rarefaction
+    /// that is sonic at the facet.
+    pub(super) lets_supersonic_pass: bool,
+}
+
+impl<T: Over<G>, G: Real, const D: usize> Opening<T, G, D> {
+    /// The state on the facet.
+    #[inline(always)]
+    pub(crate) fn state(&self, gas: &Gas, inside: &Primitive<T, D>) -> Primitive<T, D> {
+        let mut state = self.reservoir.state(gas, inside, &self.facet);
+        if self.lets_supersonic_pass {
+            let c = gas.sound_speed(inside.density, inside.pressure);
+            let relative = along(&inside.velocity, &self.facet.normal).minus(self.facet.normal_velocity);
+            state.density = relative.select_ge(c, inside.density, state.density);
+            state.pressure = relative.select_ge(c, inside.pressure, state.pressure);
+            for i in 0..D {
+                state.velocity[i] = relative.select_ge(c, inside.velocity[i], state.velocity[i]);
+            }
+        }
+        state
+    }
+}
+
+impl<T: Over<G>, G: Real> Reservoir<T, G> {
     /// The state on a facet between the gas `inside` and the reservoir.
     ///
     /// Let k = (gamma - 1) / 2, c_0 the sound speed of the reservoir, and a = d . n < 0. Let w_n and I = R+ belong to the gas inside, in
@@ -50,7 +78,7 @@ impl<P: Real, G: Real> Reservoir<P, G> {
     /// Gas enters if I < c_s / k. R+ is constant only at the entropy of the gas inside, hence c_s and not c_0 in (q). Gas that enters
     /// chokes if q |a| is its sound speed. Gas that leaves chokes if b is its sound speed (a rarefaction that is sonic at the facet).
     #[inline(always)]
-    pub(super) fn state<T: Over<P> + Over<G>, const D: usize>(
+    pub(crate) fn state<const D: usize>(
         &self,
         gas: &Gas,
         inside: &Primitive<T, D>,
@@ -64,20 +92,20 @@ impl<P: Real, G: Real> Reservoir<P, G> {
         let c = gas.sound_speed(inside.density, inside.pressure);
 
         let c_0_squared = self.total_temperature * (gas.gamma() * gas.gas_constant());
-        let c_s = c * inside.pressure.scale(self.total_pressure.recip()).powf(-k / gas.gamma());
+        let c_s = c * (inside.pressure * self.total_pressure.recip()).powf(-k / gas.gamma());
         let invariant = w_n + c * (1.0 / k);
-        let a = <T as Over<G>>::lift(dot(direction, n));
+        let a = T::lift(dot(direction, n));
         let q = entering_speed(a, c_s, invariant, k, c_0_squared);
 
         let b = c_s.max(invariant * (k / (1.0 + k)));
         let push = (invariant - b * (1.0 / k)).max(zero);
         let choking = b / c_s;
         let theta = (-(q * q).scale(c_0_squared.constant(k) / c_0_squared) + 1.0) * (choking * choking);
-        let pressure = theta.powf(gas.gamma() / (gas.gamma() - 1.0)).scale(self.total_pressure);
+        let pressure = theta.powf(gas.gamma() / (gas.gamma() - 1.0)) * self.total_pressure;
 
         let normal_velocity_here = q * a + push;
         let relative = normal_velocity_here.plus(frame_n).minus(*normal_velocity);
-        let c_squared = relative.select_ge(zero, c_s * c_s, <T as Over<G>>::lift(c_0_squared)) * theta;
+        let c_squared = relative.select_ge(zero, c_s * c_s, T::lift(c_0_squared)) * theta;
         let mut velocity = inside.velocity;
         for i in 0..D {
             let leaves = inside.velocity[i] + (normal_velocity_here - w_n).scale(n[i]);

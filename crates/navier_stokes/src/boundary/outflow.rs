@@ -13,8 +13,8 @@
 //! where gas enters, data bound the energy that comes in, see `opening`.
 
 use super::given::{Given, Values};
-use super::opening::{Facet, Reservoir};
-use super::{Condition, zero_flux};
+use super::opening::{Facet, Opening, Reservoir};
+use super::{BoundaryProblem, Condition, InviscidProblem, zero_flux};
 use crate::error::{InvalidParameter, positive};
 use crate::flux::Stresses;
 use crate::gas::Gas;
@@ -72,39 +72,30 @@ fn pressure_of_sound<T: Over<G>, G: Real, const D: usize>(
 }
 
 impl<const D: usize> Condition<D> for Outflow<D> {
-    /// `minus` itself if w_n - v_n >= c, since then no wave comes in.
     #[inline(always)]
-    fn on_facet<T: Over<G>, G: Real, const M: usize>(
+    fn problem<T: Over<G>, G: Real, const M: usize>(
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
-    ) -> Primitive<T, D> {
+    ) -> BoundaryProblem<T, G, D, M> {
         let (BoundaryPoint { normal: n, velocity: v, .. }, gas) = (at, &law.gas);
-        let inside = Primitive::unpack(gas, minus);
         let mut direction = *n;
         for i in 0..D {
             direction[i] = -n[i];
         }
-        let v_n = dot(v, n);
-        let facet = Facet { normal: *n, normal_velocity: v_n, direction, reservoir_velocity: *v };
+        let facet = Facet { normal: *n, normal_velocity: dot(v, n), direction, reservoir_velocity: *v };
         let stream = self.given.values(&at);
-        let total_temperature = stream.temperature;
-        let mut outside = if self.non_reflecting {
-            let total_pressure = pressure_of_sound(gas, &inside, &stream, n);
-            Reservoir { total_pressure, total_temperature }.state(gas, &inside, &facet)
+        let total_pressure = if self.non_reflecting {
+            pressure_of_sound(gas, &Primitive::unpack(gas, minus), &stream, n)
         } else {
-            Reservoir { total_pressure: stream.pressure, total_temperature }.state(gas, &inside, &facet)
+            T::lift(stream.pressure)
         };
-
-        let c = gas.sound_speed(inside.density, inside.pressure);
-        let relative = along(&inside.velocity, n).minus(v_n);
-        outside.density = relative.select_ge(c, inside.density, outside.density);
-        outside.pressure = relative.select_ge(c, inside.pressure, outside.pressure);
-        for i in 0..D {
-            outside.velocity[i] = relative.select_ge(c, inside.velocity[i], outside.velocity[i]);
+        let reservoir = Reservoir { total_pressure, total_temperature: stream.temperature };
+        BoundaryProblem {
+            state: *minus,
+            inviscid: InviscidProblem::Opening(Opening { reservoir, facet, lets_supersonic_pass: true }),
         }
-        outside
     }
 
     #[inline(always)]
@@ -125,16 +116,6 @@ impl<const D: usize> Condition<D> for Outflow<D> {
         _at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
         zero_flux(stresses.velocity[0])
-    }
-
-    #[inline(always)]
-    fn target_state<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        law: &NavierStokes<D>,
-        minus: &[T; M],
-        at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        self.on_facet(law, minus, at).pack(&law.gas)
     }
 
     #[inline(always)]

@@ -1,7 +1,6 @@
 //! The frictionless wall, which is also the plane of symmetry.
 
-use super::Condition;
-use super::wall_pressure::wall_flux;
+use super::{BoundaryProblem, Condition, InviscidProblem};
 use crate::flux::Stresses;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along, components};
@@ -15,29 +14,19 @@ pub struct SlipWall;
 impl<const D: usize> Condition<D> for SlipWall {
     /// The state inside with the normal velocity of the wall: w - (w_n - v_n) n.
     #[inline(always)]
-    fn state<T: Over<G>, G: Real, const M: usize>(
+    fn problem<T: Over<G>, G: Real, const M: usize>(
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
+    ) -> BoundaryProblem<T, G, D, M> {
         let BoundaryPoint { normal: n, velocity: v, .. } = at;
         let mut state = Primitive::unpack(&law.gas, minus);
         let relative = along(&state.velocity, n).minus(dot(v, n));
         for i in 0..D {
             state.velocity[i] -= relative.scale(n[i]);
         }
-        state.pack(&law.gas)
-    }
-
-    #[inline(always)]
-    fn flux<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        law: &NavierStokes<D>,
-        minus: &[T; M],
-        at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        wall_flux(law, minus, at)
+        BoundaryProblem { state: state.pack(&law.gas), inviscid: InviscidProblem::Wall }
     }
 
     /// [0 ; s n ; s v_n] with the normal stress s = n . tau n.

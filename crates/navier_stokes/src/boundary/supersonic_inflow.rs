@@ -1,8 +1,8 @@
 //! Supersonic inflow of a given state.
 
-use super::Condition;
+use super::{BoundaryProblem, Condition, InviscidProblem};
 use crate::law::NavierStokes;
-use crate::state::lifted;
+use crate::state::{Primitive, lifted};
 use fem::BoundaryPoint;
 use tensor::{Over, Real};
 
@@ -14,13 +14,14 @@ pub struct SupersonicInflow;
 
 impl<const D: usize> Condition<D> for SupersonicInflow {
     #[inline(always)]
-    fn state<T: Over<G>, G: Real, const M: usize>(
+    fn problem<T: Over<G>, G: Real, const M: usize>(
         &self,
-        _law: &NavierStokes<D>,
+        law: &NavierStokes<D>,
         _minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        lifted(at.data)
+    ) -> BoundaryProblem<T, G, D, M> {
+        let state = lifted(at.data);
+        BoundaryProblem { state, inviscid: InviscidProblem::OfState(Primitive::unpack(&law.gas, &state)) }
     }
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! Subsonic inflow of given velocity, or mass flux, and temperature.
 
 use super::given::Values;
-use super::{Condition, zero_flux};
+use super::{BoundaryProblem, Condition, InviscidProblem, zero_flux};
 use crate::flux::Stresses;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along};
@@ -58,16 +58,6 @@ fn where_entering<T: Over<G>, G: Real, const D: usize, const M: usize>(
 }
 
 impl<const D: usize> Condition<D> for VelocityInflow {
-    #[inline(always)]
-    fn state<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        law: &NavierStokes<D>,
-        minus: &[T; M],
-        at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        self.on_facet(law, minus, at).pack(&law.gas)
-    }
-
     /// Gas that leaves through the facet has no data for its heat and its tangential velocity.
     #[inline(always)]
     fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
@@ -100,12 +90,12 @@ impl<const D: usize> Condition<D> for VelocityInflow {
     /// pressures differ only by the jump at the facet, and the mass flux is exact. At the pressure inside, gas that enters has the given temperature,
     /// and gas that leaves its own density.
     #[inline(always)]
-    fn on_facet<T: Over<G>, G: Real, const M: usize>(
+    fn problem<T: Over<G>, G: Real, const M: usize>(
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
-    ) -> Primitive<T, D> {
+    ) -> BoundaryProblem<T, G, D, M> {
         let (BoundaryPoint { normal: n, velocity: v, data }, gas) = (at, &law.gas);
         let inside: Primitive<T, D> = Primitive::unpack(gas, minus);
         let given = Values::of_data(data);
@@ -131,7 +121,9 @@ impl<const D: usize> Condition<D> for VelocityInflow {
             let leaves = inside.velocity[i] + gain.scale(n[i]);
             velocity[i] = into_domain.select_ge(c.zero(), entering.scale(given.vector[i]), leaves);
         }
-        Primitive { density: into_domain.select_ge(c.zero(), entering_density, leaving_density), velocity, pressure }
+        let density = into_domain.select_ge(c.zero(), entering_density, leaving_density);
+        let state = Primitive { density, velocity, pressure };
+        BoundaryProblem { state: state.pack(gas), inviscid: InviscidProblem::OfState(state) }
     }
 
     #[inline(always)]

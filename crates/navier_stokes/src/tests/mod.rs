@@ -15,7 +15,7 @@ mod values_at_points;
 mod walls;
 
 use crate::*;
-use fem::{BoundaryPoint, ConservationLaw};
+use fem::{BoundaryPoint, ConservationLaw, Imposed};
 use tensor::{Over, Real, dot, norm};
 
 /// Runs each generic test in two and in three dimensions.
@@ -219,15 +219,14 @@ pub(super) fn evaluate<T: Over<G>, G: Real, const D: usize, const M: usize>(
     for &condition in conditions {
         let takes_state = matches!(condition, Boundary::PrescribedState(_) | Boundary::SupersonicInflow(_));
         let at = at(&p.n, &p.v, if takes_state { &p.data } else { &p.values });
-        let state = base.boundary_state(condition, &p.minus, at);
-        let flux = base.boundary_flux(condition, &p.minus, at);
+        let Imposed { flux, state } = base.impose(condition, &p.minus, at);
         let viscous = base.boundary_viscous_flux(condition, &state, &p.gradient, at);
         values.push((format!("state of {condition:?}"), state));
         values.push((format!("flux of {condition:?}"), flux));
         values.push((format!("viscous flux of {condition:?}"), viscous));
         let artificial = base.boundary_artificial_flux(condition, &state, &p.gradient, beta, at);
         values.push((format!("artificial flux of {condition:?}"), artificial));
-        values.push((format!("mirrored flux of {condition:?}"), mirrored.boundary_flux(condition, &p.minus, at)));
+        values.push((format!("mirrored flux of {condition:?}"), mirrored.impose(condition, &p.minus, at).flux));
     }
     values
 }

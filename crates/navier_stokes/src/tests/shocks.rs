@@ -85,7 +85,7 @@ fn mirrored_walls<const D: usize, const M: usize>() {
         let p = Point::<f64, f64, D, M>::random(&mut Random(seed));
         let state = Primitive::<f64, D>::unpack(&gas, &p.minus);
         let into = dot(&state.velocity, &p.n) - dot(&p.v, &p.n);
-        let flux = law.boundary_flux(Boundary::SlipWall(SlipWall), &p.minus, at(&p.n, &p.v, &p.data));
+        let flux = law.impose(Boundary::SlipWall(SlipWall), &p.minus, at(&p.n, &p.v, &p.data)).flux;
         let force = Conserved::<f64, D>::unpack(&flux).momentum;
         let ratio = dot(&force, &p.n) / state.pressure;
         let c = gas.sound_speed(state.density, state.pressure);

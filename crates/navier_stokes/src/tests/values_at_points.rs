@@ -55,7 +55,7 @@ fn walls_follow_their_data<const D: usize, const M: usize>() {
     for seed in 0..20 {
         let p = Point::<f64, f64, D, M>::random(&mut Random(seed));
         let wall = Boundary::IsothermalWall(IsothermalWall::at_points());
-        let state = law.boundary_state(wall, &p.minus, at(&p.n, &p.v, &p.values));
+        let state = law.impose(wall, &p.minus, at(&p.n, &p.v, &p.values)).state;
         let state = Primitive::<f64, D>::unpack(&gas, &state);
         assert!((gas.temperature(state.density, state.pressure) - p.values[M - 1]).abs() <= 1e-13);
         let along = |i: usize| p.values[1 + i] - (0..D).map(|j| p.values[1 + j] * p.n[j]).sum::<f64>() * p.n[i];

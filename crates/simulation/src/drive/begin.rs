@@ -68,14 +68,10 @@ pub(super) fn warn_of_end<const D: usize>(case: &Case<D>, time: f64) {
     }
 }
 
-/// Says that the averages of `case` begin after its end, if they do.
+/// Says that the averages of `case` cover no part of the run, if they do not.
 pub(super) fn warn_of_averages<const D: usize>(case: &Case<D>) {
-    if let Some(averages) = case.averages.as_ref().filter(|averages| averages.begin_after(&case.time)) {
-        tracing::warn!(
-            "the run has no averages: they begin at t = {}, and its end is {} (`output.averages.from`)",
-            averages.from,
-            case.time.end
-        );
+    if let Some(reason) = case.averages.as_ref().and_then(|averages| averages.missed_by(&case.time)) {
+        tracing::warn!("the run has no averages: {reason}");
     }
 }
 

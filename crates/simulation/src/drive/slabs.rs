@@ -63,8 +63,8 @@ fn finish_slab<const D: usize, const M: usize, R: Run>(
     context.warn_once_of_linear_law(|| beyond_linear(case, run.state()));
     let row = [run.enter(report, context), controls::values(case)].concat();
     recorder.history.push(&row)?;
-    let of_controls = controls::update(case, &context.control_columns, &row, &mut context.statistics);
     let coupled::State { slab, time, d: displacement, past, .. } = run.state();
+    let of_controls = controls::update(case, &context.control_columns, (&row, displacement), &mut context.statistics);
     if let Some(Past { v: velocities, .. }) = past
         && (slab.is_multiple_of(case.output.every) || run.is_done())
     {

@@ -63,6 +63,8 @@ pub enum GaveUp {
 pub struct Attempt {
     /// Whether it was for the steady flow at the start.
     pub steady: bool,
+    /// Whether it was for the equilibrium of a steady flow and its bodies, by slabs that the program chooses.
+    pub released: bool,
     /// Slabs done before it.
     pub slabs_done: usize,
     /// Time at the bottom of the slab.
@@ -73,6 +75,13 @@ pub struct Attempt {
     pub halvings: u32,
     /// Whether more of them were not allowed.
     pub halvings_used_up: bool,
+}
+
+impl Attempt {
+    /// Whether `time.step` gives the length of its slab.
+    pub fn has_given_length(&self) -> bool {
+        !self.steady && !self.released
+    }
 }
 
 /// A solve that failed.

@@ -12,7 +12,7 @@ use crate::body_checks::unheld;
 use crate::boundary_values::{not_positive, without_value};
 use crate::build::nodes_of_driven_bodies;
 use crate::cells::StateInCells;
-use case::{Case, Flow, Preconditioner, State};
+use case::{Case, Flow, Preconditioner, State, Steady, SteadyBodies};
 use coupled::{
     FlowMarch, Interval, MarchError, MeshMover, RELATIVE_DETERMINANT, ResidualBreakdown, SlabError, SteadyError,
 };
@@ -69,6 +69,7 @@ impl<'a, const D: usize, const M: usize> Failed<'a, D, M> {
         let Interval { start, end, halvings } = self.interval;
         let attempt = Attempt {
             steady: self.steady.is_some(),
+            released: self.is_released(),
             slabs_done: self.state.slab,
             start,
             length: end - start,
@@ -97,12 +98,17 @@ impl<'a, const D: usize, const M: usize> Failed<'a, D, M> {
         }
     }
 
+    /// Whether the steady flow with bodies held was found, but not yet their equilibrium.
+    fn is_released(&self) -> bool {
+        let releases = |steady: &Steady| steady.bodies == SteadyBodies::Equilibrium;
+        let is_before_slabs = self.steady.is_none() && self.statistics.steady.is_none() && self.state.slab == 0;
+        is_before_slabs && self.case.solver.steady.as_ref().is_some_and(releases)
+    }
+
     fn bodies(&self, grid: &Grid<D>) -> Option<Bodies> {
-        // The steady flow with bodies held was found, but not yet their equilibrium.
-        let is_released = self.steady.is_none() && self.statistics.steady.is_none() && self.state.slab == 0;
         let dt = self.interval.length();
         let bodies = of_bodies::measure(self.case, self.flow, grid, self.state, dt)?;
-        let unheld = if is_released { unheld(self.case) } else { None };
+        let unheld = if self.is_released() { unheld(self.case) } else { None };
         Some(Bodies { unheld, inverted: self.inadmissible(VOLUME_RATIO), ..bodies })
     }
 

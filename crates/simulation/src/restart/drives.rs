@@ -14,7 +14,7 @@ impl Origin {
                 let Some(motion) = drive(freedom, state.time, case.time.step) else { continue };
                 let here = motion(state.time);
                 if (there - here).abs() > 1e-9 * (freedom.size(&case.mesh) + there.abs().max(here.abs())) {
-                    let (path, time, body) = (self.path.clone(), state.time, body.name.clone());
+                    let (path, time, body) = (self.path.clone(), rounded_time(state.time), body.name.clone());
                     return Err(RestartError::BodyJumps { path, time, body, coordinate: freedom.name, there, here });
                 }
             }
@@ -32,7 +32,7 @@ impl Origin {
         if case.bodies.is_empty() || !self.is_other(case, &["constants", "tables", "bodies"])? {
             return Ok(None);
         }
-        let before = match freedoms_of(&self.result.metadata.case_text) {
+        let before = match freedoms_of(&self.result.metadata.case_text, case) {
             Ok(before) => before,
             Err(reason) => {
                 let path = self.path.display();

@@ -12,7 +12,7 @@ pub enum RestartError {
         path: PathBuf,
     },
     /// The case in the file cannot be read.
-    #[error("the case in `{path}` cannot be read, it is of another version of the program: {reason}")]
+    #[error("the case in `{path}` cannot be read, perhaps it is of another version of the program: {reason}")]
     Unreadable {
         /// The result file.
         path: PathBuf,
@@ -57,7 +57,8 @@ pub enum RestartError {
     /// A body would jump.
     #[error(
         "this case cannot start from `{path}`: at t = {time} the coordinate `{coordinate}` of the body `{body}` is {there} there, and its motion in \
-         this case is {here}; change `bodies.{body}.{coordinate}.motion` so that it goes on from there, or start anew"
+         this case is {here}; change `bodies.{body}.{coordinate}.motion`, and the constants and tables in it, so that it goes on from there, or \
+         start anew"
     )]
     BodyJumps {
         /// The result file.
@@ -93,7 +94,7 @@ pub enum RestartError {
     },
     /// The time reached by the run is outside this case.
     #[error(
-        "this case cannot start from `{path}`: the run there stands at t = {time}, this case covers t = {start} to {end}; change `time.end`"
+        "this case cannot start from `{path}`: the run there stands at t = {time}, this case covers t = {start} to {end}; {remedy}"
     )]
     Time {
         /// The result file.
@@ -104,5 +105,7 @@ pub enum RestartError {
         start: f64,
         /// Its end.
         end: f64,
+        /// The key to change.
+        remedy: &'static str,
     },
 }

@@ -28,6 +28,7 @@ impl Origin {
         let keys = [
             ("solver.steady", case.solver.steady.is_some()),
             ("solver.start_layer", case.solver.start_layer.is_some_and(|thickness| thickness > 0.0)),
+            ("structure.initial", case.structure.is_some()),
         ];
         let found = self.differences(case)?.all;
         let is_new = |key: &str| found.iter().any(|difference| is_in(&difference.key, key));

@@ -40,7 +40,7 @@ impl Origin {
         };
         Err(RestartError::SupportJumps {
             path: self.path.clone(),
-            time: state.time,
+            time: rounded_time(state.time),
             position: position.to_vec(),
             there: there.to_vec(),
             here: here.to_vec(),

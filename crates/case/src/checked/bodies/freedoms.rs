@@ -35,6 +35,7 @@ impl<const D: usize> Given<'_, D> {
                             `rotation_x`, `rotation_y`, `rotation_z`; empty where it is free";
             return Err(self.checker.combination(key, "a body that cannot move", accepted));
         }
+        inertia::check_turns(self.checker, key, raw)?;
         Ok(freedoms)
     }
 

@@ -3,6 +3,8 @@
 use super::stencil::{Stencil, Step};
 use crate::preconditioner::blocks::Link;
 use crate::preconditioner::ordering::{Ordering, minimum_discarded_fill_of};
+use faer::Mat;
+use faer::linalg::solvers::Solve;
 use fem::parallel::{self, Grain};
 use fem::{Layout, LowOrderRows, NO_NEIGHBOUR, Neighbours, Share, SlabOperator};
 use half::bf16;
@@ -145,11 +147,11 @@ impl<const D: usize, const M: usize> NodeBlocks<D, M> {
     /// |D_i^(-1) dt A_ij| in the Frobenius norm over the nodes of every link, with D_i = lambda + dt A_ii.
     fn strengths(&self, cell: usize, links: &[Link], lambda: f64) -> Vec<f64> {
         let square = |face: usize, node: usize| -> f64 {
-            let d = faer::Mat::from_fn(M, M, |i, j| {
+            let d = Mat::from_fn(M, M, |i, j| {
                 f64::from(self.diagonal(cell, node)[j * M + i]) + if i == j { lambda } else { 0.0 }
             });
-            let a = faer::Mat::from_fn(M, M, |i, j| f64::from(self.coupling(cell, node, face)[j * M + i].to_f32()));
-            faer::linalg::solvers::Solve::solve(&d.partial_piv_lu(), &a).squared_norm_l2()
+            let a = Mat::from_fn(M, M, |i, j| f64::from(self.coupling(cell, node, face)[j * M + i].to_f32()));
+            squared_norm_of_solution(&d, &a)
         };
         let nodes = |face: usize| mesh::face_nodes(D, self.order, face);
         let strength =
@@ -225,4 +227,9 @@ impl Scaling<'_> {
             }
         }
     }
+}
+
+/// |D^(-1) A|^2 in the Frobenius norm. Compiled here once, and not for every dimension.
+fn squared_norm_of_solution(d: &Mat<f64>, a: &Mat<f64>) -> f64 {
+    d.partial_piv_lu().solve(a).squared_norm_l2()
 }

@@ -32,23 +32,29 @@ pub(super) struct Local {
 }
 
 impl Local {
-    /// From S_b of a block, which is overwritten; also S_c.
+    /// From S_b of a block; also S_c.
     pub(super) fn new<const D: usize>(
         s: Mat<f64>,
         interface: &Interface<D>,
         block: usize,
         constraints: &Constraints,
     ) -> Result<(Self, Mat<f64>), ElasticityError> {
-        let scale: Vec<f64> = (0..s.nrows()).map(|i| 1.0 / s[(i, i)].sqrt()).collect();
         let mut rows = Mat::zeros(s.nrows(), constraints.of_block[block].len());
         let mut column = 0;
         for (piece, of_piece) in interface.pieces_of(block) {
             for functional in &constraints.of_piece[&piece] {
                 let weights = of_piece.iter().zip(functional);
-                weights.for_each(|(&row, weight)| rows[(row, column)] = weight * scale[row]);
+                weights.for_each(|(&row, weight)| rows[(row, column)] = *weight);
                 column += 1;
             }
         }
+        Local::constrained(s, rows)
+    }
+
+    /// The same from the functionals of the constraints, which are the columns of `rows`. S_b is overwritten.
+    fn constrained(s: Mat<f64>, rows: Mat<f64>) -> Result<(Self, Mat<f64>), ElasticityError> {
+        let scale: Vec<f64> = (0..s.nrows()).map(|i| 1.0 / s[(i, i)].sqrt()).collect();
+        let rows = Mat::from_fn(rows.nrows(), rows.ncols(), |i, k| rows[(i, k)] * scale[i]);
         let lengths: Vec<f64> = (0..rows.ncols()).map(|k| rows.col(k).norm_l2()).collect();
         let rows = Mat::from_fn(rows.nrows(), rows.ncols(), |i, k| rows[(i, k)] / lengths[k]);
         let mut a = s;

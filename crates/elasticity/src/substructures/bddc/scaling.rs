@@ -90,8 +90,7 @@ impl<const D: usize> Scaling<D> {
         let solved = |(&number, scaled): (&usize, &Scaled)| {
             let places = &interface.pieces[number].places;
             let of_piece: Vec<f64> = places.iter().flat_map(|place| &x[place * D..][..D]).copied().collect();
-            let column = scaled.sum.solve(Mat::from_fn(of_piece.len(), 1, |i, _| of_piece[i]));
-            (number, column.col_as_slice(0).to_vec())
+            (number, solution(&scaled.sum, &of_piece))
         };
         let pieces: Vec<_> = self.pieces.iter().collect();
         parallel::map(pieces.len(), Grain::Any, &|k| solved(pieces[k])).into_iter().collect()
@@ -143,16 +142,25 @@ impl<const D: usize> Scaling<D> {
     }
 }
 
+/// The solution of a system, and the inverse of its matrix. Compiled here once, and not for every dimension.
+fn solution(factor: &Llt<f64>, right_side: &[f64]) -> Vec<f64> {
+    factor.solve(Mat::from_fn(right_side.len(), 1, |i, _| right_side[i])).col_as_slice(0).to_vec()
+}
+
+fn inverse(factor: &Llt<f64>) -> Mat<f64> {
+    factor.inverse()
+}
+
 /// The matrices of the pieces of a block, by (piece, block).
 fn pieces_of<const D: usize>(
     interface: &Interface<D>,
     block: usize,
     s: &Mat<f64>,
 ) -> Result<OfPieces, ElasticityError> {
-    let inverse = shifted_inverse(s)?;
+    let flexibility = shifted_inverse(s)?;
     let of_piece = |(number, rows): (usize, &[usize])| {
         let is_face = interface.pieces[number].is_face::<D>();
-        let free = is_face.then(|| cholesky(&submatrix(&inverse, rows), "a face").map(|factor| factor.inverse()));
+        let free = is_face.then(|| cholesky(&submatrix(&flexibility, rows), "a face").map(|factor| inverse(&factor)));
         Ok(((number, block), OfPiece { stiff: submatrix(s, rows), free: free.transpose()? }))
     };
     interface.pieces_of(block).map(of_piece).collect()
@@ -168,7 +176,7 @@ fn shifted_inverse(s: &Mat<f64>) -> Result<Mat<f64>, ElasticityError> {
     };
     let [least, larger @ ..] = SHIFTS;
     let factor = larger.iter().fold(factored(least), |factor, shift| factor.or_else(|_| factored(*shift)));
-    Ok(factor?.inverse())
+    Ok(inverse(&factor?))
 }
 
 /// Exchanges the matrices of pieces that several ranks have. A collective call.

@@ -3,6 +3,14 @@
 use super::super::data::{FailureData, Motion};
 use super::{Cause, number, rises};
 
+/// What makes bodies move less in a slab.
+fn smaller_motion<'a>(data: &FailureData, shorter: &'a str) -> &'a str {
+    if data.attempt.has_given_length() {
+        return shorter;
+    }
+    "`solver.steady.bodies = \"held\"`, and a march in time to the equilibrium"
+}
+
 /// Nothing holds a body that is to find its equilibrium.
 pub fn unheld(data: &FailureData) -> Option<Cause> {
     let [what, remedy] = data.bodies.as_ref()?.unheld.clone()?;
@@ -16,9 +24,11 @@ pub fn crushed(data: &FailureData) -> Option<Cause> {
         name: "crushed_structure",
         likelihood: 0.94,
         what: format!("the gas turns the structure inside out: det(I + grad d) is {} in a cell of it", number(ratio)),
-        remedy: "balance the mean pressure p of the gas by a negative `follower_pressure`, -p, on the wall between structure and gas: in \
-                 `structure.boundary` it has the name of the region of the gas; a larger `structure.young_modulus`; a shorter `time.step`"
-            .into(),
+        remedy: format!(
+            "balance the mean pressure p of the gas by a negative `follower_pressure`, -p, on the wall between structure and gas: in \
+             `structure.boundary` it has the name of the region of the gas; a larger `structure.young_modulus`; {}",
+            smaller_motion(data, "a shorter `time.step`")
+        ),
     })
 }
 
@@ -29,7 +39,10 @@ pub fn far_in_one_slab(data: &FailureData) -> Option<Cause> {
         name: "body_far_in_one_slab",
         likelihood: 0.02 + 0.9 * rises(travel, 0.5),
         what: format!("the flow moves the body by {} thicknesses of cells in one slab", number(travel)),
-        remedy: "shorten `time.step`, or let `time.adaptive` choose it; a stiffer or heavier body moves less".into(),
+        remedy: format!(
+            "{}; a stiffer or heavier body moves less",
+            smaller_motion(data, "shorten `time.step`, or let `time.adaptive` choose it")
+        ),
     })
 }
 
@@ -56,7 +69,10 @@ pub fn light_body(data: &FailureData) -> Option<Cause> {
         name: "light_body",
         likelihood: 0.02 + 0.9 * recent * rises(ratio, 30.0),
         what: format!("the body is light: a volume of fluid of its size weighs {} times as much", number(ratio)),
-        remedy: "start from rest and let the inflow grow smoothly, or drive the body and release it later; shorten `time.step`"
-            .into(),
+        remedy: match data.attempt.released {
+            true => smaller_motion(data, "").to_owned(),
+            false => "start from rest and let the inflow grow smoothly, or drive the body and release it later; shorten `time.step`"
+                .to_owned(),
+        },
     })
 }

@@ -70,6 +70,7 @@ pub fn linear_solver(data: &FailureData) -> Option<Cause> {
         false => ("solver.krylov_iterations", " and `solver.krylov_restart`"),
     };
     let other = if newton.has_blocks { "" } else { ", take `solver.preconditioner = \"blocks\"`" };
+    let shorter = if data.attempt.has_given_length() { ", or shorten `time.step`" } else { "" };
     // Ten iterations are few for any problem. If hundreds do not suffice, the cause is mostly elsewhere.
     let few = 1.0 - rises(newton.krylov_allowed as f64, 50.0);
     Some(Cause {
@@ -80,13 +81,13 @@ pub fn linear_solver(data: &FailureData) -> Option<Cause> {
             (100.0 * part).round(),
             newton.krylov_allowed
         ),
-        remedy: format!("raise `{limit}`{restart}{other}, or shorten `time.step`"),
+        remedy: format!("raise `{limit}`{restart}{other}{shorter}"),
     })
 }
 
 /// The fastest wave travels over many nodes in a slab.
 pub fn time_step(data: &FailureData) -> Option<Cause> {
-    let gas = data.gas.as_ref().filter(|gas| !data.attempt.steady && gas.waves_per_slab > 1.0)?;
+    let gas = data.gas.as_ref().filter(|gas| data.attempt.has_given_length() && gas.waves_per_slab > 1.0)?;
     let Attempt { length, halvings, halvings_used_up, .. } = data.attempt;
     let more = if halvings_used_up { ", allow more `solver.slab_halvings`" } else { "" };
     let waves = gas.waves_per_slab;
@@ -117,9 +118,12 @@ pub fn tolerance(data: &FailureData) -> Option<Cause> {
             number(last),
             number(round_off)
         ),
-        remedy: format!(
-            "raise `solver.newton_tolerance`, or set `solver.newton_absolute_tolerance = {:.0e}`",
-            2.0 * last
-        ),
+        remedy: match data.attempt.steady {
+            true => "raise `solver.steady.tolerance`".to_owned(),
+            false => format!(
+                "raise `solver.newton_tolerance`, or set `solver.newton_absolute_tolerance = {:.0e}`",
+                2.0 * last
+            ),
+        },
     })
 }

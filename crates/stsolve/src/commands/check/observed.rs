@@ -48,17 +48,17 @@ fn controls<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
 /// Averages that begin after the end.
 fn averages<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
     let (averages, time) = (facts.case.averages.as_ref()?, &facts.case.time);
+    let reason = averages.missed_by(time)?;
     let text = format!(
-        "`output.averages` begin at t = {}, and the run ends at {}: it has no averages; an earlier `from`, or a later `time.end` with `--resume`",
-        averages.from, time.end
+        "the run has no averages: {reason}; another `from` or `to` of `output.averages`, or a later `time.end` with `--resume`"
     );
-    if averages.begin_after(time) { warning("averages", text) } else { None }
+    warning("averages", text)
 }
 
 /// Phases that the run does not meet.
 fn phases<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
     let (averages, time) = (facts.case.averages.as_ref()?, &facts.case.time);
-    if averages.begin_after(time) {
+    if averages.missed_by(time).is_some() {
         return None;
     }
     let period = averages.phases?.period;
