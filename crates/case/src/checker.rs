@@ -59,7 +59,7 @@ impl<'a> Checker<'a> {
         waiting.sort_by_key(|(key, _)| document.position(key));
         let uses = |name: &str| -> BTreeSet<&str> {
             let Some(Formula::Text(text)) = constants.get(name) else { return BTreeSet::new() };
-            let words = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+            let words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
             words.filter(|word| *word != name && constants.contains_key(*word)).collect()
         };
         let uses: BTreeMap<&str, BTreeSet<&str>> = constants.keys().map(|name| (name.as_str(), uses(name))).collect();

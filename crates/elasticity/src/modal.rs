@@ -13,7 +13,7 @@
 //! fluid beside the structure moves with it. A preconditioner adds its mass to M,
 //!
 //! ```text
-//! M + m_L int_G (N_i n).(N_j n) ds,     m_L = rho L / sqrt(1 + (|lambda| L / (dt c))^2)                        (added mass)
+//! M + m_L int_G (N_i n).(N_j n) ds,     m_L = rho L / sqrt(1 + (|lambda| L / (dt c))^2)                    (layer of fluid)
 //! ```
 //!
 //! for a layer of depth L, density rho and speed of sound c on the wet boundary G. The integral is lumped at the nodes.
@@ -25,7 +25,7 @@ use crate::{ElasticityError, Structure};
 use basis::{RadauTime, TemporalModes, is_real};
 use rayon::prelude::*;
 
-/// A layer of fluid on the boundary of a structure, with the mass of (added mass).
+/// A layer of fluid on the boundary of a structure, with the mass of (layer of fluid).
 #[derive(Clone, Debug, PartialEq)]
 pub struct FluidLayer<const D: usize> {
     /// rho
@@ -39,7 +39,7 @@ pub struct FluidLayer<const D: usize> {
 }
 
 impl<const D: usize> FluidLayer<D> {
-    /// m_L of (added mass) for motions of the rate |lambda| / dt.
+    /// m_L of (layer of fluid) for motions of the rate |lambda| / dt.
     pub fn surface_density(&self, rate: f64) -> f64 {
         self.density * self.depth / (1.0 + (rate * self.depth / self.speed_of_sound).powi(2)).sqrt()
     }

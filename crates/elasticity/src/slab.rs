@@ -3,7 +3,7 @@
 //! The mesh velocity is a polynomial in time with the values V_b at the N_t right-Radau nodes s_b of the slab, and
 //!
 //! ```text
-//! d(s) = d_n + dt sum_b Phi_b(s) V_b,         Phi_b(s) = int_0^s phi_b                                           (motion)
+//! d(s) = d_n + dt sum_b Phi_b(s) V_b,         Phi_b(s) = int_0^s phi_b                                  (motion at nodes)
 //! d(s_a) = d_n + dt sum_b Phi_ab V_b,         Phi_ab = Phi_b(s_a)
 //! V_b = (1/dt) sum_a (Phi^{-1})_ba (d(s_a) - d_n)                                                                (velocity)
 //! ```
@@ -60,7 +60,7 @@ impl SlabMotion {
         &self.time
     }
 
-    /// out = d(s) by (motion), for the displacement `bottom` = d_n, the velocities `v[b][..]`, and s in [0, 1].
+    /// out = d(s) by (motion at nodes), for the displacement `bottom` = d_n, the velocities `v[b][..]`, and s in [0, 1].
     pub fn displacement<T: Real>(&self, dt: f64, bottom: &[T], v: &[T], s: f64, out: &mut [T]) {
         displace(dt, bottom, v, &self.time.integrals(s), out);
     }

@@ -6,7 +6,7 @@
 //! R(d(t)) = f(d, t)   at free entries,      d(t) = g(t)   at fixed entries                                     (statics)
 //! ```
 //!
-//! It holds at the time nodes of a slab. In between d is the polynomial through them and the bottom, (motion) of `slab`. Works and
+//! It holds at the time nodes of a slab. In between d is the polynomial through them and the bottom, (motion at nodes) of `slab`. Works and
 //! energies are defined as in `structure_slab`, without the kinetic terms.
 
 use crate::corrections::{self, LinearEquations, rounding};

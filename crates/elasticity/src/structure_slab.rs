@@ -1,7 +1,7 @@
 //! The equations of a structure in one slab, by discontinuous Galerkin in time.
 //!
 //! The velocity is a polynomial with the values V_b at the N_t right-Radau nodes s_b of the slab and jumps at its bottom; the displacement
-//! is its integral, (motion) of `slab`, and continuous. With phi_a tested and integrated by the right-Radau rule,
+//! is its integral, (motion at nodes) of `slab`, and continuous. With phi_a tested and integrated by the right-Radau rule,
 //!
 //! ```text
 //! R_a = sum_b T_ab M V_b - phi_a(0) M v_n + dt omega_a ( R(d(s_a)) + C V_a - f(s_a) ) - I_a = 0     at free entries  (dynamics)

@@ -57,13 +57,18 @@ const SOLVER_CHARTS: [SolverChart; 10] = [
 ];
 
 /// Words for the kind of a quantity, singular and plural: quantities of one kind and wall share a chart.
-const KINDS: [(&str, &str); 13] = [
+const KINDS: [(&str, &str); 18] = [
     ("force", "forces"),
     ("reaction", "reactions"),
     ("coefficient", "coefficients"),
     ("power", "power and heat flow"),
     ("heat_flow", "power and heat flow"),
     ("energy", "energies"),
+    ("flow_work", "work and losses since the start"),
+    ("drive_work", "work and losses since the start"),
+    ("force_work", "work and losses since the start"),
+    ("damped", "work and losses since the start"),
+    ("numerical_dissipation", "work and losses since the start"),
     ("displacement", "displacement"),
     ("impulse_in_slab", "impulses of a slab"),
     ("work_in_slab", "work and heat of a slab"),

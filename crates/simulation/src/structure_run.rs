@@ -13,7 +13,7 @@ use crate::observer::Observer;
 use crate::session::Session;
 use case::{Analysis, Case, Structure};
 use coupled::block::{BodyState, Ledger};
-use coupled::{Observation, SlabError, StructureMarch, StructureReport, rounded_time};
+use coupled::{Interval, Observation, SlabError, StructureMarch, StructureReport, rounded_time};
 use elasticity::{ElasticityError, NaturalMode, Stability, natural_modes};
 use newton_krylov::inner_product::{Euclidean, InnerProduct, largest};
 use output::{Checkpoint, Summary};
@@ -35,7 +35,12 @@ pub fn run_structure<const D: usize, const M: usize>(
     let march = build::structure_march(case, structure).map_err(without_march)?;
     let mesh = Arc::new(MeshView::new(&case.mesh, march.structure().numbering()));
     let observed = Observed::new(structure, &march).map_err(Failure::bad_input)?;
-    drive::<D, M, _>(case, StructureRun { case, structure, march, observed, stability: None }, &mesh, call)
+    drive::<D, M, _>(
+        case,
+        StructureRun { case, structure, march, observed, stability: None, failed: None },
+        &mesh,
+        call,
+    )
 }
 
 /// The failure of a structure that has no march: an equilibrium at the start that was not found, or a bad input.
@@ -72,6 +77,8 @@ struct StructureRun<'a, const D: usize> {
     observed: Observed,
     /// That of the equilibrium at the end.
     stability: Option<Stability>,
+    /// The slab that could not be solved, if the last one could not.
+    failed: Option<Interval>,
 }
 
 /// The quantities of the displacement in history.csv.
@@ -158,7 +165,9 @@ impl<const D: usize> Run for StructureRun<'_, D> {
         self.march.is_done()
     }
     fn advance(&mut self) -> anyhow::Result<Option<StructureReport>> {
-        self.march.advance().map(Some).map_err(|error| match error.source {
+        let done = self.march.advance();
+        self.failed = done.as_ref().err().map(|error| error.interval);
+        done.map(Some).map_err(|error| match error.source {
             // The cause alone: the slab is told beside it.
             SlabError::Structure(source) => source.into(),
             _ => error.into(),
@@ -214,7 +223,9 @@ impl<const D: usize> Run for StructureRun<'_, D> {
     }
 
     fn examine(&self, error: &anyhow::Error, _: &super::statistics::RunStatistics) -> Finding {
-        examine_structure(self.case, self.structure, &self.march, error)
+        let next =
+            Interval { start: self.march.state.time, end: self.march.state.time + self.case.time.step, halvings: 0 };
+        examine_structure(self.structure, &self.march, self.failed.unwrap_or(next), error)
     }
 
     fn judge(&self, context: &RunContext, session: &Session) -> Result<(), Failure> {

@@ -40,7 +40,7 @@ pub(super) fn check_rate(checker: &Checker<'_>, key: &Key, motion: Arguments<'_>
         return Ok(());
     }
     let quantity = format!("the rate of {motion} at t = {t}, {rate},");
-    let accepted = "a formula whose rate is finite over the whole run; write t^1.5 in place of sqrt(t^3), for example";
+    let accepted = "a formula whose rate is finite over the whole run";
     checker.require_of_formula(key, &quantity, false, accepted)
 }
 

@@ -168,7 +168,7 @@ pub(super) fn step<T: Transcendental>(instruction: &Instruction, a: &[T], x: &[T
         Instruction::Subtract => a[0] - a[1],
         Instruction::Multiply => a[0] * a[1],
         Instruction::Divide => a[0] / a[1],
-        Instruction::Power => (a[1] * a[0].ln()).exp(),
+        Instruction::Power => power(a[0], a[1]),
         Instruction::Min => without_value(a).unwrap_or_else(|| a[0].min(a[1])),
         Instruction::Max => without_value(a).unwrap_or_else(|| a[0].max(a[1])),
         Instruction::Compare(comparison) => without_value(a)
@@ -185,7 +185,7 @@ fn without_value<T: Transcendental>(arguments: &[T]) -> Option<T> {
 fn apply<T: Transcendental>(function: Function, a: T) -> T {
     match function {
         Function::Abs => a.abs(),
-        Function::Sqrt => a.sqrt(),
+        Function::Sqrt => real_power(a, 0.5),
         Function::Exp => a.exp(),
         Function::Log => a.ln(),
         Function::Sin => a.sin(),
@@ -193,8 +193,8 @@ fn apply<T: Transcendental>(function: Function, a: T) -> T {
         Function::Tan => a.sin() / a.cos(),
         Function::Atan => a.atan(),
         Function::Tanh => a.tanh(),
-        // (e^a -+ e^-a) / 2
-        Function::Sinh => (a.exp() - (-a).exp()) * 0.5,
+        Function::Sinh => sinh(a),
+        // (e^a + e^-a) / 2
         Function::Cosh => (a.exp() + (-a).exp()) * 0.5,
         Function::Deg => a * (std::f64::consts::PI / 180.0),
     }
@@ -226,8 +226,35 @@ fn integer_power<T: Transcendental>(a: T, n: i32) -> T {
     if n < 0 { result.recip() } else { result }
 }
 
-/// a^exponent. At a = 0 with exponent > 1 the slope is 0, which the general formula (a^exponent / a) exponent does not
-/// give.
+/// sinh a. Where a is small, e^a - e^-a would lose digits; 2 t / (1 - t^2) with t = tanh(a / 2) does not.
+fn sinh<T: Transcendental>(a: T) -> T {
+    if a.value().abs() < 1.0 {
+        let t = (a * 0.5).tanh();
+        return t * 2.0 / (-(t * t) + 1.0);
+    }
+    (a.exp() - (-a).exp()) * 0.5
+}
+
+/// a^exponent, at a = 0 by [`power_of_zero`].
 fn real_power<T: Transcendental>(a: T, exponent: f64) -> T {
-    if a.value() == 0.0 && exponent > 1.0 { a * 0.0 } else { a.powf(exponent) }
+    match exponent {
+        _ if a.value() == 0.0 && exponent > 0.0 => power_of_zero(a, exponent),
+        0.5 => a.sqrt(),
+        _ => a.powf(exponent),
+    }
+}
+
+/// a^b = e^(b ln a), at a = 0 by [`power_of_zero`].
+fn power<T: Transcendental>(a: T, b: T) -> T {
+    if a.value() == 0.0 && b.value() > 0.0 { power_of_zero(a, b.value()) } else { (b * a.ln()).exp() }
+}
+
+/// a^exponent where a = 0, for a positive exponent: the general formulas give the slope 0 / 0. It is 0 for an exponent above 1, and infinite for
+/// one below 1. If a does not vary, neither does the power, so that its derivative is 0 and not infinity times 0.
+fn power_of_zero<T: Transcendental>(a: T, exponent: f64) -> T {
+    match exponent {
+        _ if exponent > 1.0 => a * 0.0,
+        1.0 => a,
+        _ => a * f64::MAX * f64::MAX,
+    }
 }

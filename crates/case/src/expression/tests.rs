@@ -105,6 +105,19 @@ fn derivatives_at_zero_are_finite_where_they_exist() {
     assert_eq!(slope("x^2"), 0.0);
     assert_eq!(slope("x^1"), 1.0);
     assert_eq!(slope("abs(x)"), 1.0);
+    // These were NaN, infinity times 0: the Jacobian product of a flow with such an inflow was, too.
+    for root in ["sqrt(t)", "sqrt(max(0, t-1))", "t^0.5", "t^(1/7)", "t^(0.2+x)", "sqrt(x^3)", "x*sqrt(t)"] {
+        assert_eq!(slope(root), 0.0, "{root}");
+    }
+    assert_eq!(slope("sqrt(x)"), f64::INFINITY);
+    assert_eq!(slope("-x^0.2"), f64::NEG_INFINITY);
+}
+
+/// e^a - e^-a left eight digits.
+#[test]
+fn sinh_of_small_numbers_has_all_digits() {
+    assert!((value("sinh(1e-8*x)/1e-8", [1.0, 0.0, 0.0], 0.0) - 1.0).abs() < 1e-15);
+    assert!((value("sinh(x)", [0.999999, 0.0, 0.0], 0.0) - 0.999999_f64.sinh()).abs() < 1e-15);
 }
 
 #[test]

@@ -127,8 +127,8 @@ impl AirfoilMesh {
         check.count("the number of cells along a side", self.surface_cells)?;
         check.count("the number of cells along the wake", self.wake_cells)?;
         check.count("the number of cells outwards", self.normal_cells)?;
-        self.check_near(check, self.near_wake, self.wake_cells, NEAR_WAKE)?;
-        self.check_near(check, self.near_wall, self.normal_cells, NEAR_WALL)?;
+        self.check_near(check, self.near_wake, (self.wake_cells, self.trailing_edge_cell), NEAR_WAKE)?;
+        self.check_near(check, self.near_wall, (self.normal_cells, self.first_cell), NEAR_WALL)?;
         let h = self.first_cell;
         check.that((1e-8..=0.2).contains(&h), "the height of the first cell", h, "1e-8 to 0.2 chords")
     }
@@ -137,12 +137,14 @@ impl AirfoilMesh {
         &self,
         check: Check,
         near: Option<NearPart>,
-        all: usize,
+        (all, first_cell): (usize, f64),
         [extent_of, cells_of]: [&'static str; 2],
     ) -> Result<(), MeshError> {
         let Some(NearPart { extent, cells }) = near else { return Ok(()) };
         let inside = extent > 0.0 && extent <= 0.5 * self.far_field;
         check.that(inside, extent_of, extent, "more than 0, at most half the distance of the far field")?;
+        let is_wider = cells == 1 || extent > first_cell;
+        check.that(is_wider, extent_of, extent, "more than the size of the first of its cells")?;
         check.that((1..all).contains(&cells), cells_of, cells as f64, "1 or more, fewer than those up to the far field")
     }
 

@@ -124,10 +124,10 @@ impl ChannelFlagMesh {
         check.that(fine, "the end of the flag", self.flag_end, accepted)?;
         let gap = above.min(x - radius);
         let accepted = "less than the distance from the cylinder to walls and inflow";
-        check.that(self.first_cell <= gap, "the height of the first cell", self.first_cell, accepted)?;
+        check.first_cell((self.cells.outwards, self.first_cell), gap, accepted)?;
         let [low, high] = self.flag_heights();
-        let accepted = "at most the distance from the flag to the walls";
-        let fine = self.flag_cell <= low.min(height - high);
+        let (accepted, room) = ("less than the distance from the flag to the walls", low.min(height - high));
+        let fine = self.flag_cell < room || (self.cells.beside == 1 && self.flag_cell == room);
         check.that(fine, "the height of the cells beside the flag", self.flag_cell, accepted)?;
         Ok(gap)
     }
@@ -352,6 +352,9 @@ mod tests {
         assert!(refused(ChannelFlagMesh { flag_end: 2.5, ..flag }).contains("the end of the flag is 2.5"));
         assert!(refused(ChannelFlagMesh { flag_cell: 0.3, ..flag }).contains("beside the flag is 0.3"));
         assert!(refused(ChannelFlagMesh { first_cell: 0.2, ..flag }).contains("the first cell is 0.2"));
+        // It left cells without height beside it.
+        let all = flag.gap().unwrap();
+        assert!(refused(ChannelFlagMesh { first_cell: all, ..flag }).contains("the height of the first cell"));
         assert!(refused(ChannelFlagMesh { centre: [0.04, 0.2], ..flag }).contains("x of the centre"));
         assert!(refused(ChannelFlagMesh { centre: [0.2, f64::NAN], ..flag }).contains("y of the centre"));
         let cells = FlagCells { along: 0, ..flag.cells };

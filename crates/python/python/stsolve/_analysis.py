@@ -4,6 +4,11 @@ import warnings
 
 import numpy as np
 
+try:
+    import tomllib
+except ImportError:
+    tomllib = None
+
 POINTS = 64
 
 
@@ -82,7 +87,7 @@ def boundary_layer(result, wall, thickness, number=-1):
     n, weights = np.append(0.5 * thickness * (1 + nodes), thickness), np.append(0.5 * thickness * weights, 0.0)
     line = x[:, None, :] + n[None, :, None] * normal[:, None, :]
     # Linear from the first two nodes to the wall.
-    to_wall = np.array([n[1], -n[0]]) / (n[1] - n[0]) * _slides(result, surface)[:, None]
+    to_wall = np.array([n[1], -n[0]]) / (n[1] - n[0]) * _slides(result, wall, surface)[:, None]
     density, u = _along_edge(result, step, line, normal, to_wall)
     return _integrals(density, u, n, weights)
 
@@ -97,10 +102,18 @@ def _step_of(result, time):
     return step
 
 
-def _slides(result, surface):
+def _slides(result, wall, surface):
     """Where gas sticks to a wall that slides along itself: there the gas at the wall has the velocity of the wall."""
     friction = sum(np.abs(values) for name, values in surface.items() if name.startswith("skin_friction"))
-    return (friction > 0) & ("slide" in result.case_text)
+    return (friction > 0) & ("slide" in _condition(result.case_text, wall))
+
+
+def _condition(case_text, wall):
+    """The boundary condition of a wall, as text; the whole case before Python 3.11, which has no reader of TOML."""
+    if tomllib is None:
+        return case_text
+    conditions = tomllib.loads(case_text)["flow"]["boundary"]
+    return str(conditions.get(wall, conditions.get("others")))
 
 
 def _along_edge(result, step, line, normal, to_wall):

@@ -4,15 +4,15 @@ use super::data::{Attempt, BadLoad, FailureData, GaveUp, StructureData};
 use super::finding::{Finding, WorstCell, most_squeezed, squeezed};
 use super::grid::{Grid, difference};
 use super::of_mesh::shape;
-use case::{Analysis, Case};
-use coupled::StructureMarch;
+use case::Analysis;
+use coupled::{Interval, StructureMarch};
 use elasticity::ElasticityError;
 
-/// The run of `case` that stopped with `error` in the slab after the state of `march`.
+/// The run of a `structure` that stopped with `error` in an `interval` after the state of `march`.
 pub fn examine<const D: usize>(
-    case: &Case<D>,
     structure: &case::Structure<D>,
     march: &StructureMarch<D>,
+    interval: Interval,
     error: &anyhow::Error,
 ) -> Finding {
     let (state, body) = (&march.state, march.structure());
@@ -21,14 +21,15 @@ pub fn examine<const D: usize>(
         Some(ElasticityError::Load { time, position, .. }) => Some(BadLoad { time: *time, position: position.clone() }),
         _ => None,
     };
-    let length = case.time.step.min(case.time.end - state.time);
+    let Interval { start, halvings, .. } = interval;
+    let length = interval.length();
     let waves = || structure.shear_speed() * length / smallest_distance(&grid, &state.d);
     Finding {
         cell: Some(worst_cell(&grid, &state.d, bad_load.as_ref())),
         residuals: Vec::new(),
         data: FailureData {
             gave_up: if bad_load.is_some() { GaveUp::Load } else { GaveUp::Structure },
-            attempt: Attempt { slabs_done: state.slab, start: state.time, length, ..Attempt::default() },
+            attempt: Attempt { slabs_done: state.slab, start, length, halvings, ..Attempt::default() },
             newton: None,
             mesh: shape(&grid, &state.d),
             gas: None,

@@ -78,7 +78,8 @@ fn with_digits(value: f64, digits: usize) -> String {
     if value != 0.0 && !(1e-3..1e6).contains(&value.abs()) {
         return format!("{value:.decimals$e}");
     }
-    let digits = decimals - value.abs().max(1.0).log10().floor() as usize;
+    // The logarithm of a number just below 1e6 is 6.
+    let digits = decimals.saturating_sub(value.abs().max(1.0).log10().floor() as usize);
     let text = format!("{value:.digits$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
@@ -102,6 +103,8 @@ mod tests {
             (0.5, "0.5"),
             (1.0 / 3.0, "0.33333"),
             (123456.7, "123457"),
+            // It ended `check` in a panic.
+            (999999.9999999999, "1000000"),
             (1e-5, "1.00000e-5"),
             (-2.5e7, "-2.50000e7"),
             (100.0, "100"),
