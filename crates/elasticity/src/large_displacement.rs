@@ -42,19 +42,21 @@ pub(crate) struct Work {
 type ForcesAt<'a> = &'a dyn Fn(&[f64]) -> Result<f64, Inversion>;
 
 /// Finds `x` with a residual that is small against `forces_at(x)`, the size of the forces in it, in the slab from `time`. A guess that nearly
-/// inverts cells has forces far beyond those of the solution, so its scale is only the first one.
+/// inverts cells has forces far beyond those of the solution, so its scale is only the first one. Where a load ends, no force is left to compare
+/// with: then the solution has forces that are rounding of those at the guess.
 pub(crate) fn solve(
     equations: &mut impl ElasticEquations,
     forces_at: ForcesAt<'_>,
     time: f64,
     x: &mut [f64],
 ) -> Result<Work, ElasticityError> {
-    let (mut work, mut forces) = (Work::default(), forces_at(x)?);
+    let (mut work, mut forces, least) = (Work::default(), forces_at(x)?, rounding_of(equations, x));
     loop {
         solve_from(equations, (forces_at, forces), x, &mut work)
             .map_err(|error| ElasticityError::LargeDisplacement { time, source: Box::new(error) })?;
         let before = std::mem::replace(&mut forces, forces_at(x)?);
-        if forces >= SMALLER * before || residual_norm(equations, x) <= TOLERANCE * forces {
+        let is_scale = forces >= SMALLER * before || forces <= least;
+        if is_scale || residual_norm(equations, x) <= TOLERANCE * forces {
             return Ok(work);
         }
     }
