@@ -67,13 +67,15 @@ pub fn column(control: &Control) -> String {
     format!("{COLUMN}{}", control.name)
 }
 
-/// The numbers of the columns of history.csv that controls need; None where there is no such column.
+/// What updates of controls need again after every slab: the numbers of their columns of history.csv, None where there is no such column.
 pub struct Columns {
     time: Option<usize>,
     length: Option<usize>,
     builds: Option<usize>,
     /// What each control measures.
     measured: Vec<Option<usize>>,
+    /// The nodes of the mesh, from the first update on that needs their displacement.
+    numbering: OnceCell<NodeNumbering>,
 }
 
 impl Columns {
@@ -86,6 +88,7 @@ impl Columns {
             length: number("dt"),
             builds: number("preconditioner_builds"),
             measured: case.controls.iter().map(|control| number(&control.measure)).collect(),
+            numbering: OnceCell::new(),
         }
     }
 }
@@ -124,7 +127,7 @@ pub fn update<const D: usize>(
     }
     let before = self::values(case);
     set(case, Some(&values));
-    if let Some(problem) = not_positive(case, d, t) {
+    if let Some(problem) = not_positive(case, &columns.numbering, d, t) {
         set(case, Some(&before));
         anyhow::bail!("{problem}");
     }
@@ -133,8 +136,13 @@ pub fn update<const D: usize>(
 }
 
 /// What the controls make of a value of a boundary that must be positive, if they spoil one at `t`, where the mesh has the displacement `d`.
-fn not_positive<const D: usize>(case: &Case<D>, d: &[f64], t: f64) -> Option<String> {
-    let (flow, numbering) = (case.flow.as_ref()?, OnceCell::new());
+fn not_positive<const D: usize>(
+    case: &Case<D>,
+    numbering: &OnceCell<NodeNumbering>,
+    d: &[f64],
+    t: f64,
+) -> Option<String> {
+    let flow = case.flow.as_ref()?;
     let displacement = |cell: usize, k: usize, _: &[f64; D]| {
         let numbering = numbering.get_or_init(|| NodeNumbering::new(&case.mesh, case.mesh.order()));
         let node = numbering.cell(cell)[k];

@@ -3,12 +3,12 @@
 use super::super::data::{FailureData, Motion};
 use super::{Cause, number, rises};
 
-/// What makes bodies move less in a slab.
+/// What to do where bodies that are released do not find their equilibrium.
+const HELD: &str = "`solver.steady.bodies = \"held\"`, and a march in time to the equilibrium";
+
+/// What makes bodies move less in a slab: a `shorter` one, where the case gives its length.
 fn smaller_motion<'a>(data: &FailureData, shorter: &'a str) -> &'a str {
-    if data.attempt.has_given_length() {
-        return shorter;
-    }
-    "`solver.steady.bodies = \"held\"`, and a march in time to the equilibrium"
+    if data.attempt.has_given_length() { shorter } else { HELD }
 }
 
 /// Nothing holds a body that is to find its equilibrium.
@@ -70,7 +70,7 @@ pub fn light_body(data: &FailureData) -> Option<Cause> {
         likelihood: 0.02 + 0.9 * recent * rises(ratio, 30.0),
         what: format!("the body is light: a volume of fluid of its size weighs {} times as much", number(ratio)),
         remedy: match data.attempt.released {
-            true => smaller_motion(data, "").to_owned(),
+            true => HELD.to_owned(),
             false => "start from rest and let the inflow grow smoothly, or drive the body and release it later; shorten `time.step`"
                 .to_owned(),
         },
