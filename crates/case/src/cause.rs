@@ -274,7 +274,7 @@ impl Cause {
             Cause::Ragged { .. } => Some("the same number of entries in every line".to_owned()),
             Cause::Row { .. } => Some("the time and the values, numbers separated by semicolons, tabs, commas or blanks".to_owned()),
             Cause::MovedAtStart { .. } => Some(
-                "a displacement that is zero everywhere at the start: subtract its value there, \"f(t) - f(0)\"; of `[tables]`, the value 0 at the start"
+                "a displacement that is zero everywhere at the start: subtract its value there, \"f(t) - f(0)\" for a start at 0; of `[tables]`, the value 0 at the start"
                     .to_owned(),
             ),
             _ => None,

@@ -9,6 +9,7 @@ use super::document::Document;
 use super::error::{CaseError, Errors};
 use super::key::Key;
 use super::magnitude::{self, is_computable};
+use super::names_in_use;
 use super::raw::{Axis, Formula};
 use crate::checked::Control;
 use crate::expression::{Names, Program, Table};
@@ -56,11 +57,10 @@ impl<'a> Checker<'a> {
         let (mut errors, table) = (Errors::default(), Key::new("constants"));
         let mut waiting: Vec<_> = constants.keys().map(|name| (table.child(name), name.as_str())).collect();
         // In the order of the text, but a constant waits for those that it uses.
-        waiting.sort_by_key(|(key, _)| document.position(key));
+        waiting.sort_by_cached_key(|(key, _)| document.position(key));
         let uses = |name: &str| -> BTreeSet<&str> {
             let Some(Formula::Text(text)) = constants.get(name) else { return BTreeSet::new() };
-            let words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
-            words.filter(|word| *word != name && constants.contains_key(*word)).collect()
+            names_in_use::words(text).filter(|word| *word != name && constants.contains_key(*word)).collect()
         };
         let uses: BTreeMap<&str, BTreeSet<&str>> = constants.keys().map(|name| (name.as_str(), uses(name))).collect();
         let mut done = BTreeSet::new();

@@ -13,7 +13,9 @@ pub(super) fn choices(key: &Key) -> Vec<String> {
 /// The choice at `key` whose only setting is a number, if there is one: a number alone probably meant this choice.
 pub(super) fn choice_of_number(key: &Key) -> Option<String> {
     let schema = raw::schema().to_value();
-    let is_number = |value: &Value| alternatives(&schema, value).iter().any(|value| value["type"] == "number");
+    let is_number = |value: &Value| {
+        alternatives(&schema, value).iter().any(|value| matches!(value["type"].as_str(), Some("number" | "integer")))
+    };
     at(&schema, key).into_iter().find_map(|value| {
         let [name] = &names(value)[..] else { return None };
         is_number(&value["properties"][name]).then(|| name.clone())

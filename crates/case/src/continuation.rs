@@ -2,17 +2,18 @@
 
 use super::checked::length_of_slabs;
 use super::continued_tables::{self, LongerTable};
+use super::names_in_use::retain_used_constants;
 use super::raw::{Adaptive, Case, Output, Solver, Steady, Time, from_toml, to_table, to_toml};
 use std::collections::BTreeMap;
 use std::fmt;
 
 /// The part of a case that a run must share with the run that it continues, because the states depend on it. Tolerances and limits
-/// of the solver, the end of the run and the intervals of output are left out.
+/// of the solver, the end of the run and the intervals of output are left out, and constants that serve for nothing else.
 pub(super) fn lasting(case: &Case) -> Case {
     let Time { start, end, .. } = case.time;
     let step = case.time.step.or(case.time.slabs.map(|slabs| length_of_slabs(end - start, slabs)));
     let adaptive = case.time.adaptive.as_ref().map(|_| Adaptive { tolerance: 0.0, smallest: None, largest: None });
-    Case {
+    let mut lasting = Case {
         title: String::new(),
         time: Time { end: 0.0, slabs: None, step, adaptive, ..case.time },
         // The existence of a steady start is kept, and what is in equilibrium there.
@@ -30,7 +31,9 @@ pub(super) fn lasting(case: &Case) -> Case {
             ..Output::default()
         },
         ..case.clone()
-    }
+    };
+    retain_used_constants(&mut lasting);
+    lasting
 }
 
 /// The characters of a text that is shown as a whole.

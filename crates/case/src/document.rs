@@ -7,6 +7,7 @@ use super::error::{CaseError, Place};
 use super::key::{Key, Step};
 use crate::excerpt::shortened;
 use crate::input_file;
+use crate::tree::{contains, take_out};
 use serde::Deserialize;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -26,6 +27,9 @@ pub struct Document {
     /// The file, then the padded options.
     texts: Vec<String>,
 }
+
+/// Keys that stand for each other: an option with one of them takes the place of the other one in the file.
+const EITHER: [[&str; 2]; 1] = [["time.step", "time.slabs"]];
 
 type Table<'a> = DeTable<'a>;
 type Value<'a> = Spanned<DeValue<'a>>;
@@ -103,11 +107,25 @@ impl Document {
         found.exists.then_some(found.key.start)
     }
 
+    /// Whether an option, and not the file, has the key.
+    pub(super) fn is_only_an_option(&self, key: &Key) -> bool {
+        let alone = Document { path: self.path.clone(), texts: self.texts[..1].to_vec() };
+        alone.position(key).is_none() && self.position(key).is_some()
+    }
+
+    /// The names in the table `section` of the file.
+    pub(super) fn names_in_file(&self, section: &str) -> Vec<String> {
+        let alone = Document { path: self.path.clone(), texts: self.texts[..1].to_vec() };
+        alone.find(&Key::new(section)).names
+    }
+
     /// The file with the options written over it. It is parsed anew for each use, because it borrows from the text.
     pub(super) fn tree(&self) -> Result<Spanned<Table<'_>>, Box<CaseError>> {
         let mut root = self.parse_text(&self.texts[0])?;
         for text in &self.texts[1..] {
-            overwrite(root.get_mut(), self.parse_text(text)?.into_inner(), depth(text)).map_err(|problem| {
+            let option = self.parse_text(text)?.into_inner();
+            take_out_others(root.get_mut(), &option);
+            overwrite(root.get_mut(), option, depth(text)).map_err(|problem| {
                 CaseError::without_key(Place::Option(text.trim().to_owned()), Cause::Toml(problem))
             })?;
         }
@@ -253,6 +271,15 @@ fn overwrite<'a>(table: &mut Table<'a>, option: Table<'a>, depth: usize) -> Resu
             }
             table.insert(key, Spanned::new(span, value));
             Ok(())
+        }
+    }
+}
+
+/// Takes the keys out of `table` for which `option` stands.
+fn take_out_others(table: &mut Table<'_>, option: &Table<'_>) {
+    for [one, other] in EITHER.into_iter().flat_map(|[a, b]| [[a, b], [b, a]]) {
+        if contains(option, &Key::new(one).0) {
+            take_out(table, &Key::new(other).0);
         }
     }
 }

@@ -9,7 +9,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `input_file`, `mesh_file` | input files, read as a whole; whether a mesh file fits into memory |
-//! | `document` | the TOML document with places; `--set` |
+//! | `document`, `tree` | the TOML document with places; `--set`; changes of its tables |
 //! | `brackets` | unclosed brackets in it |
 //! | `key` | the path of a key, `flow.boundary.left` |
 //! | `error` | errors and their places |
@@ -26,8 +26,8 @@
 //! | `expression` | formulas and tables |
 //! | `fields` | components of fields, formulas in them |
 //! | `any_mesh` | a mesh whose dimension is known only after it is read |
-//! | `clock` | times without round-off, for messages |
 //! | `memory` | available memory |
+//! | `names_in_use` | constants and tables that formulas contain |
 //! | `excerpt`, `nearest` | a piece of a line with carets below it; the name that was probably meant |
 //!
 //! A case in memory. An error names the key and its value:
@@ -69,6 +69,7 @@ mod key;
 mod magnitude;
 pub mod memory;
 pub mod mesh_file;
+mod names_in_use;
 mod nearest;
 mod point_data;
 mod reading;
@@ -76,6 +77,7 @@ mod shape;
 mod state;
 #[cfg(test)]
 mod tests;
+mod tree;
 mod vector;
 
 pub use any_mesh::{AnyMesh, MeshFileError};

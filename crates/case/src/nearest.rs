@@ -1,8 +1,8 @@
 //! The known name that a misspelt one probably meant.
 
-/// What other programs call conditions of this one, and what is near another name than the one that was meant: a supersonic outflow is an
+/// What other programs call conditions and functions of this one, and what is near another name than the one that was meant: a supersonic outflow is an
 /// `outflow`, not a `supersonic_inflow`.
-const OTHER_NAMES: [(&str, &str); 8] = [
+const OTHER_NAMES: [(&str, &str); 12] = [
     ("supersonic_outflow", "outflow"),
     ("subsonic_outflow", "outflow"),
     ("pressure_outlet", "outflow"),
@@ -11,6 +11,10 @@ const OTHER_NAMES: [(&str, &str); 8] = [
     ("inlet", "inflow"),
     ("no_slip", "adiabatic_wall"),
     ("no_slip_wall", "adiabatic_wall"),
+    ("ln", "log"),
+    ("arcsin", "asin"),
+    ("arccos", "acos"),
+    ("arctan", "atan"),
 ];
 
 /// The candidate that `name` means elsewhere, or the one with the smallest edit distance, if it is close enough.

@@ -50,7 +50,7 @@ use std::collections::BTreeMap;
 /// Units are any consistent system. Vectors have one entry per axis, two or three, as many as the mesh has axes.
 /// A formula is a number or a text such as "0.1*sin(pi*t/4)". It may contain x, y, z, t, pi, the constants and the tables of
 /// the case. Its operators are + - * / ^ (or **), comparisons and if(condition, a, b). Its functions are min and max of two numbers, abs, sqrt, exp,
-/// log, sin, cos, tan, atan, tanh, sinh and cosh. deg(a) is the angle of a degrees, in radians. Wherever a number is needed, a formula of
+/// log (the natural one), sin, cos, tan, asin, acos, atan, atan2(y, x), tanh, sinh, cosh and floor. deg(a) is the angle of a degrees, in radians. Wherever a number is needed, a formula of
 /// constants may stand in quotes: `velocity = ["cos(deg(5))", "sin(deg(5))"]`, `end = "10*period"`, `slabs = "40*periods"`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -23,6 +23,7 @@ pub struct Time {
     /// restart the first may be shorter.
     pub step: Option<f64>,
     /// Instead of the step: the number of slabs, all of the same length, from the start to the end. A run with `[restart]` makes those that are left.
+    /// `--set time.step` replaces it, and the other way round.
     pub slabs: Option<usize>,
     /// Adapts the length of the slabs to the changes of the flow; only together with `[flow]`. Default: all slabs have the same length.
     pub adaptive: Option<Adaptive>,

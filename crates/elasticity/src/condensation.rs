@@ -20,11 +20,12 @@ use crate::ElasticityError;
 use crate::pool::Pool;
 use faer::Mat;
 use fem::NodalBatches;
+pub(crate) use inner::BatchMatrices;
 use inner::{CellUnknowns, InnerFactor};
 use sparse::{EliminationTree, Factorisation, Kind, eliminations};
 use std::sync::Arc;
 use sweep::{CellSweeps, SweepWork};
-use tensor::{Pack, WIDTH};
+use tensor::WIDTH;
 
 /// The order of elimination of the free nodes of a mesh, and the size of their factor. Both are known before any
 /// matrix.
@@ -70,15 +71,14 @@ impl<const D: usize> Elimination<D> {
         of_cell * (batches.count() * WIDTH) as f64 + self.tree.operations(D)
     }
 
-    /// The factor of the sum of the cells' matrices: `matrices(batch)` are the matrices of a batch, `[column][row]`, both
-    /// `[component][node]`.
+    /// The factor of the sum of the cells' matrices.
     ///
     /// # Errors
     /// [`ElasticityError::NotDefinite`] if too few entries are constrained, or the state of the mesh is unstable.
     pub(crate) fn factor(
         self: &Arc<Self>,
         batches: &NodalBatches<D>,
-        matrices: impl Fn(usize) -> Vec<Pack> + Sync,
+        matrices: &BatchMatrices<'_>,
     ) -> Result<Condensation<D>, ElasticityError> {
         let (inner, schur) = InnerFactor::new(&self.unknowns, batches, &self.constrained, matrices)?;
         let factors = Factorisation::new(self.tree.clone(), D, Kind::Cholesky, |front| {

@@ -75,28 +75,39 @@ impl<const D: usize> ElasticMesh<D> {
         constrained: &[[bool; D]],
         solver: impl Into<SolverOnBlocks>,
     ) -> Result<Self, ElasticityError> {
+        Self::on_blocks(mesh, numbering, material, stiffness, constrained, &solver.into())
+    }
+
+    fn on_blocks(
+        mesh: &Mesh<D>,
+        numbering: &NodeNumbering,
+        material: Material,
+        stiffness: Stiffness<'_, D>,
+        constrained: &[[bool; D]],
+        solver: &SolverOnBlocks,
+    ) -> Result<Self, ElasticityError> {
         check_constraints(numbering, constrained)?;
         let (order, law, lame) = (numbering.order(), material.law(), material.lame());
         let at_points = StiffnessSampler::new(mesh, stiffness, law.rule(D, order));
         let operator = Operator::new(law, lame, order, NodalBatches::new(numbering), &at_points)?;
         let mut position = Position::new(law, &operator, stiffness, numbering.count * D);
         let coordinates = nodal_coordinates(mesh, numbering);
-        let (batches, solver) = (operator.batches(), solver.into());
-        let (plan, prepared) = Plan::prepare(mesh, numbering, batches, constrained, &solver);
+        let batches = operator.batches();
+        let (plan, prepared) = Plan::prepare(mesh, numbering, batches, constrained, solver);
         let low_order = |position: &mut Position<D>| {
             let at_nodes = StiffnessSampler::new(mesh, stiffness, gauss_lobatto(order));
             let multigrid = (plan.solver == Solver::Multigrid).then_some(&coordinates[..]);
             let (inertia, samples) = (Inertia::none(), |cell| at_nodes.cell(cell));
-            let terms = LowOrderTerms { lame, inertia, numbering, samples, fixed: constrained };
+            let terms = LowOrderTerms { lame, inertia, numbering, samples: &samples, fixed: constrained };
             let low_order = LowOrderInverse::new(&terms, multigrid)?;
             position.keep_nodes(law, numbering, &at_nodes).map(|()| low_order)
         };
         let matrices = |batch| operator.cell_matrices(position.bottom(), batch);
         let inverse = match prepared {
-            Prepared::Elimination(elimination) => Inverse::Direct(Box::new(elimination.factor(batches, matrices)?)),
+            Prepared::Elimination(elimination) => Inverse::Direct(Box::new(elimination.factor(batches, &matrices)?)),
             Prepared::Cuts(cuts) => {
                 let is_direct = plan.solver == Solver::Direct;
-                Inverse::Substructures(Box::new(Substructures::new(cuts, is_direct, matrices)?))
+                Inverse::Substructures(Box::new(Substructures::new(cuts, is_direct, &matrices)?))
             }
             Prepared::Nothing => Inverse::LowOrder(Box::new(low_order(&mut position)?)),
         };

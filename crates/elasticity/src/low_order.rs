@@ -9,7 +9,6 @@ mod assembly;
 mod sub_cells;
 
 use crate::ElasticityError;
-use crate::geometry::Sample;
 use crate::multigrid::{self, BlockRows, Colouring, Cycle};
 use crate::pool::Pool;
 pub(crate) use assembly::{Inertia, LowOrderTerms};
@@ -40,10 +39,7 @@ enum Inverse {
 
 impl<const D: usize> LowOrderInverse<D> {
     /// Factors the matrix of K + m M. For `multigrid` it makes a hierarchy from the positions of all C0 nodes instead.
-    pub(crate) fn new(
-        terms: &LowOrderTerms<'_, D, impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>>,
-        multigrid: Option<&[[f64; D]]>,
-    ) -> Result<Self, ElasticityError> {
+    pub(crate) fn new(terms: &LowOrderTerms<'_, D>, multigrid: Option<&[[f64; D]]>) -> Result<Self, ElasticityError> {
         let (free, inverse) = match multigrid {
             None => factor(terms)?,
             Some(coordinates) => hierarchy(terms, coordinates)?,
@@ -85,9 +81,7 @@ impl<const D: usize> LowOrderInverse<D> {
 }
 
 /// The Cholesky factor of K + m M, and the C0 nodes of its unknowns.
-fn factor<const D: usize>(
-    terms: &LowOrderTerms<'_, D, impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>>,
-) -> Result<(Vec<usize>, Inverse), ElasticityError> {
+fn factor<const D: usize>(terms: &LowOrderTerms<'_, D>) -> Result<(Vec<usize>, Inverse), ElasticityError> {
     let free = terms.free();
     let unknowns = unknowns_of(&free, terms.numbering.count);
     let mut matrix = BlockMatrix::new(Kind::Cholesky, D, later_neighbours::<D>(terms.numbering, &unknowns));
@@ -98,7 +92,7 @@ fn factor<const D: usize>(
 
 /// A multigrid hierarchy for K + m M, and the C0 nodes of its unknowns.
 fn hierarchy<const D: usize>(
-    terms: &LowOrderTerms<'_, D, impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>>,
+    terms: &LowOrderTerms<'_, D>,
     coordinates: &[[f64; D]],
 ) -> Result<(Vec<usize>, Inverse), ElasticityError> {
     let free = terms.free();
@@ -136,7 +130,7 @@ mod tests {
         let mut matrix = BlockMatrix::new(Kind::Cholesky, D, neighbours);
         let (lame, inertia) = (material().lame(), Inertia::none());
         let samples = |cell| sampler.cell(cell);
-        let terms = LowOrderTerms { lame, inertia, numbering: &numbering, samples, fixed: &fixed };
+        let terms = LowOrderTerms { lame, inertia, numbering: &numbering, samples: &samples, fixed: &fixed };
         terms.assemble(&free, |row, column, block| matrix.add(row, column, |i, j| block[i][j])).unwrap();
         let d: Vec<f64> = nodal_coordinates(mesh, &numbering).iter().flat_map(d).collect();
         (matrix.product(&d), d)

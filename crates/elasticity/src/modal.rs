@@ -23,6 +23,7 @@ use crate::slab::combine_nodes;
 use crate::structure::Damping;
 use crate::{ElasticityError, Structure};
 use basis::{RadauTime, TemporalModes, is_real};
+use fem::parallel::{self, Grain};
 use rayon::prelude::*;
 
 /// A layer of fluid on the boundary of a structure, with the mass of (layer of fluid).
@@ -107,7 +108,7 @@ impl<const D: usize> ModalSolver<D> {
             let theta = argument(*lambda) + argument(damped) - argument(stiffening);
             Ok(System { lambda: *lambda, stiffening, theta, shifted: structure.shifted(m, layer, of.position)? })
         };
-        let systems: Vec<Result<_, _>> = modes.eigenvalues.par_iter().map(system).collect();
+        let systems = parallel::map(modes.eigenvalues.len(), Grain::Any, &|mode| system(&modes.eigenvalues[mode]));
         Ok(ModalSolver { dt: of.dt, systems: systems.into_iter().collect::<Result<_, _>>()?, modes })
     }
 

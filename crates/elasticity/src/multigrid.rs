@@ -56,7 +56,7 @@ pub(crate) fn hierarchy<const D: usize>(
     let along = |axis: usize| coordinates.iter().map(|x| x[axis]).collect::<Vec<f64>>();
     let centre: [f64; D] = from_fn(|axis| inner_product::sum(&along(axis)) / coordinates.len() as f64);
     let nodes = coordinates.iter().map(|x| from_fn(|i| x[i] - centre[i])).zip(fixed);
-    if D == 2 {
+    if const { D == 2 } {
         let modes = nodes.map(|(x, fixed)| rigid_motions::<D, 3>(&x, fixed)).collect();
         Ok(Box::new(Hierarchy::new(matrix, modes)?))
     } else {

@@ -31,7 +31,7 @@ mod top;
 pub use partition::{Partition, SolverOnBlocks};
 
 use crate::ElasticityError;
-use crate::condensation::{Condensation, Eliminated};
+use crate::condensation::{BatchMatrices, Condensation, Eliminated};
 use bddc::Bddc;
 use block::Block;
 use exchange::Exchange;
@@ -39,7 +39,6 @@ use fem::parallel::{self, Grain};
 use interface::Interface;
 use mesh::NodeNumbering;
 use std::sync::Arc;
-use tensor::Pack;
 use top::Top;
 
 /// What substructuring takes from the mesh alone, without a matrix.
@@ -99,17 +98,16 @@ enum Coupling<const D: usize> {
 }
 
 impl<const D: usize> Substructures<D> {
-    /// Factors the sum of the cells' matrices, see [`crate::condensation::Elimination::factor`]; `matrices(batch)` are those of a batch of
-    /// the whole mesh. A collective call.
+    /// Factors the sum of the cells' matrices, those of the batches of the whole mesh. A collective call.
     ///
     /// # Errors
     /// [`ElasticityError::NotDefinite`] on all ranks.
     pub(crate) fn new(
         cuts: Arc<Cuts<D>>,
         is_direct: bool,
-        matrices: impl Fn(usize) -> Vec<Pack> + Sync,
+        matrices: &BatchMatrices<'_>,
     ) -> Result<Self, ElasticityError> {
-        let made = parallel::map(cuts.own.len(), Grain::Any, &|k| cuts.own[k].factor(&matrices));
+        let made = parallel::map(cuts.own.len(), Grain::Any, &|k| cuts.own[k].factor(matrices));
         let made = made.into_iter().collect::<Result<Vec<_>, _>>();
         let (factors, complements): (Vec<_>, Vec<_>) = cuts.exchange.agree(made)?.into_iter().unzip();
         let coupling = if is_direct {
@@ -124,7 +122,7 @@ impl<const D: usize> Substructures<D> {
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub(crate) fn with_matrices(&self, matrices: impl Fn(usize) -> Vec<Pack> + Sync) -> Result<Self, ElasticityError> {
+    pub(crate) fn with_matrices(&self, matrices: &BatchMatrices<'_>) -> Result<Self, ElasticityError> {
         Self::new(self.cuts.clone(), self.is_direct(), matrices)
     }
 

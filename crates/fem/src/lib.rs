@@ -16,7 +16,6 @@
 //! | `scratch`, `gather` | their packs, and the copies from and to vectors |
 //! | `kernels` | the kernels of a law behind one object |
 //! | `traces`, `batches`, `moving_mesh` | cells, facets and the mesh in packs |
-//! | `parallel` | loops in parallel |
 //! | `nodal_batches` | C0 fields in packs of cells, and their sum in a fixed order |
 //! | `share` | the cells of a rank, and what ranks exchange |
 //! | `operator` | the residual of a slab and its derivatives |
@@ -77,7 +76,6 @@ mod moving_mesh;
 mod nodal_batches;
 mod nodal_geometry;
 mod operator;
-pub mod parallel;
 mod per_thread;
 mod point;
 mod prescribed;
@@ -109,6 +107,7 @@ pub use kernels::{Differentiate, Kernels, LawKernels};
 pub use layout::Layout;
 pub use line_jacobian::LineJacobian;
 pub use low_order::{LowOrder, LowOrderRows, NO_NEIGHBOUR, Neighbours};
+pub use mesh::parallel;
 pub use moving_mesh::MovingMesh;
 pub use nodal_batches::NodalBatches;
 pub use operator::{Bottom, Problem, SlabOperator, Violation};

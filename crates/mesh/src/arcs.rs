@@ -8,9 +8,6 @@ use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use tensor::norm;
 
-/// Positions that differ by this part of the diameter of the mesh are one: the round-off of a file.
-const SAME: f64 = 1e-9;
-
 /// A face that is a strip of straight lines along z, along an arc in the plane x, y with the domain on its right.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Strip {
@@ -95,7 +92,7 @@ impl<const D: usize> Mesh<D> {
 
     /// The same for every facet of the `boundary`, in the order of the lattice of its face. At the end of the curve it is 1.
     pub fn arc_fractions_of_faces(&self, numbering: &NodeNumbering, boundary: usize) -> Option<Vec<Vec<f64>>> {
-        let tolerance = SAME * self.diameter();
+        let tolerance = self.same_place();
         let arcs: Vec<Arc> =
             self.sides_of(boundary).map(|side| self.arc(numbering, side, tolerance)).collect::<Option<_>>()?;
         let lowest = arcs.iter().map(|arc| arc.height).fold(f64::INFINITY, f64::min);
@@ -249,7 +246,32 @@ fn speeds(positions: &[[f64; 2]], points: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::generate::AirfoilMesh;
+
+    /// Near the trailing edge facets of the upper side had the fractions of the lower one.
+    #[test]
+    fn short_facets_of_a_large_mesh_have_fractions_of_their_own() {
+        let airfoil = AirfoilMesh::naca0012(3);
+        let airfoil = AirfoilMesh { far_field: 1e5, surface_cells: 24, trailing_edge_cell: 0.0012, ..airfoil };
+        let (mesh, numbering) = (airfoil.build().unwrap(), NodeNumbering::new(&airfoil.build().unwrap(), 3));
+        let wall = mesh.boundary_names().iter().position(|name| name == "airfoil").unwrap();
+        let of_faces = mesh.arc_fractions_of_faces(&numbering, wall).unwrap();
+        let ends = |fractions: &Vec<f64>| {
+            fractions.iter().fold([1.0_f64, 0.0_f64], |[low, high], x| [low.min(*x), high.max(*x)])
+        };
+        let covered: f64 = of_faces.iter().map(ends).map(|[low, high]| high - low).sum();
+        let mut starts: Vec<f64> = of_faces.iter().map(ends).map(|[low, _]| low).collect();
+        starts.sort_by(f64::total_cmp);
+        starts.dedup();
+        assert!(
+            starts.len() == of_faces.len() && (covered - 1.0).abs() < 1e-12,
+            "{} of {}",
+            starts.len(),
+            of_faces.len()
+        );
+    }
 
     /// Positions of an extruded wall from a file agree up to the digits of the file: none of them was found.
     #[test]

@@ -14,9 +14,6 @@ use crate::geometry::CellMap;
 use crate::lattice::digit;
 use basis::{Lagrange, Matrix, gauss, gauss_lobatto};
 
-/// Positions agree if they differ by less than this fraction of the diameter of the mesh.
-const TOLERANCE: f64 = 1e-9;
-
 /// The stacks of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CrossSection {
@@ -68,7 +65,7 @@ impl<const D: usize> Mesh<D> {
             lengths: &length_matrix(order, self.order),
             along,
             remaining: &remaining,
-            tolerance: TOLERANCE * self.diameter(),
+            tolerance: self.same_place(),
         };
         let cells: Option<Vec<Extruded>> =
             (0..self.n_cells()).map(|cell| seen.cell(cell, self.cell_coordinates(cell))).collect();
@@ -239,6 +236,18 @@ mod tests {
         let mesh = Mesh { coordinates, ..straight };
         assert!(mesh.cross_section(3, &[2]).is_some());
         assert!(mesh.cross_section(3, &[0]).is_none() && mesh.cross_section(3, &[0, 2]).is_none());
+    }
+
+    /// Nodes nearer than 1e-9 of the diameter were one.
+    #[test]
+    fn nodes_of_thin_cells_have_lines_of_their_own() {
+        let upper = [1000.0, 4e-6];
+        let mesh = BoxMesh { upper, ..unit_box([2, 1]) }.build().unwrap();
+        let section = mesh.cross_section(4, &[0]).unwrap();
+        let [stack] = &section.stacks[..] else { panic!("{} stacks", section.stacks.len()) };
+        assert!(stack.lines.iter().all(|line| line.len() == 8), "{:?}", stack.lines);
+        let heights: Vec<&[f64]> = stack.points.iter().map(|point| &point[..]).collect();
+        assert_eq!(clusters(&heights, section.tolerance).len(), 4);
     }
 
     /// The weights ignored the stretch of the mesh inside a cell.

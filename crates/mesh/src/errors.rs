@@ -172,6 +172,14 @@ pub enum MeshError {
         /// The name.
         name: String,
     },
+    /// A boundary of the cross-section has the name of an end of the extruded mesh.
+    #[error(
+        "boundary \"{name}\" of the cross-section has the name of an end of the extruded mesh: rename it, or extrude with `periodic = true`"
+    )]
+    NameOfEnd {
+        /// The name.
+        name: String,
+    },
     /// Segments do not fill an axis of a box.
     #[error("box mesh: segment {segment} along axis {axis} {problem}")]
     Segments {

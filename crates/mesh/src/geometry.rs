@@ -3,6 +3,7 @@
 use crate::facet::{axis_and_side, outward_sign};
 use crate::lattice::{Lattice, digit};
 use crate::mesh::point;
+use crate::periodic::{LAST_PLACES, TOLERANCE, last_place};
 use crate::{Mesh, MeshError};
 use basis::{Lagrange, Matrix, gauss, gauss_lobatto};
 use std::array::from_fn;
@@ -89,6 +90,9 @@ impl<const D: usize> CellMap<D> {
     }
 }
 
+/// Positions are one if they are closer than this part of the extent of a cell. Even of 16 nodes in a row the first two are 0.016 apart.
+const SAME_IN_CELL: f64 = 1e-4;
+
 impl<const D: usize> Mesh<D> {
     /// The position of reference point `xi` of `cell`.
     pub fn position(&self, cell: usize, xi: &[f64; D]) -> [f64; D] {
@@ -130,6 +134,14 @@ impl<const D: usize> Mesh<D> {
             norm(&from_fn::<f64, D, _>(|i| high[i] - low[i]))
         };
         from_fn(length)
+    }
+
+    /// Positions that are closer than this are one: by the diameter of the mesh, since files have about ten digits, and by the smallest extent of
+    /// a cell, where cells are thin. It is never below the rounding of coordinates.
+    pub fn same_place(&self) -> f64 {
+        let smallest = (0..self.n_cells()).flat_map(|cell| self.extents(cell)).fold(f64::INFINITY, f64::min);
+        let rounding = LAST_PLACES * last_place::<D>(&self.coordinates);
+        (TOLERANCE * self.diameter()).min(SAME_IN_CELL * smallest).max(rounding)
     }
 
     /// The box along the axes that contains the nodes of `cell`: its lower and upper corner.

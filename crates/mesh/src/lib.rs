@@ -20,6 +20,7 @@
 //! | `arcs` | arc lengths along closed curves and walls that are extruded ones |
 //! | `boundary` | normals at the nodes of a boundary |
 //! | `blocks` | the partition into blocks |
+//! | `parallel` | loops in parallel |
 //! | `locate` | the cell that contains a point |
 //! | `validity` | lower bounds of det J over a cell and a slab |
 //! | `generate` | meshes made from a few numbers |
@@ -59,6 +60,7 @@ mod lattice;
 mod locate;
 mod mesh;
 mod numbering;
+pub mod parallel;
 mod part;
 mod periodic;
 mod random;

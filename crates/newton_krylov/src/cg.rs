@@ -93,7 +93,7 @@ impl Workspace {
 /// # Errors
 /// [`Error`] if the tolerance is not reached, or if A or P proves not to be positive definite.
 pub fn solve(
-    system: &mut (impl LinearSystem + ?Sized),
+    system: &mut dyn LinearSystem,
     b: &[f64],
     x: &mut [f64],
     settings: &Settings,
@@ -122,7 +122,7 @@ pub fn solve(
 }
 
 /// r := b - A x; returns |r|. For x = 0 no product is computed.
-fn start(system: &mut (impl LinearSystem + ?Sized), b: &[f64], x: &[f64], workspace: &mut Workspace) -> f64 {
+fn start(system: &mut dyn LinearSystem, b: &[f64], x: &[f64], workspace: &mut Workspace) -> f64 {
     if x.iter().all(|&x_i| x_i == 0.0) {
         copy(b, &mut workspace.r);
     } else {
@@ -134,11 +134,7 @@ fn start(system: &mut (impl LinearSystem + ?Sized), b: &[f64], x: &[f64], worksp
 }
 
 /// z := P^-1 r and p := z + (r, z) / (r, z)_old p; returns (r, z), as an error if it is not positive.
-fn next_direction(
-    system: &mut (impl LinearSystem + ?Sized),
-    workspace: &mut Workspace,
-    r_z_old: f64,
-) -> Result<f64, f64> {
+fn next_direction(system: &mut dyn LinearSystem, workspace: &mut Workspace, r_z_old: f64) -> Result<f64, f64> {
     system.precondition(&workspace.r, &mut workspace.z);
     let r_z = positive(system.inner_product().dot(&workspace.r, &workspace.z))?;
     xpay(&workspace.z, r_z / r_z_old, &mut workspace.p);
@@ -146,12 +142,7 @@ fn next_direction(
 }
 
 /// x := x + alpha p and r := r - alpha A p; returns (p, A p) as an error if it is not positive.
-fn advance(
-    system: &mut (impl LinearSystem + ?Sized),
-    x: &mut [f64],
-    workspace: &mut Workspace,
-    r_z: f64,
-) -> Result<(), f64> {
+fn advance(system: &mut dyn LinearSystem, x: &mut [f64], workspace: &mut Workspace, r_z: f64) -> Result<(), f64> {
     system.multiply(&workspace.p, &mut workspace.a_p);
     let curvature = positive(system.inner_product().dot(&workspace.p, &workspace.a_p))?;
     let alpha = r_z / curvature;

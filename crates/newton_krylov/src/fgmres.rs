@@ -189,7 +189,7 @@ fn resize_columns<S: Stored>(columns: &mut Vec<Vec<S>>, count: usize, length: us
 /// [`Error`] if the tolerance is not reached. Then x is the best iterate, and the caller decides whether it is good
 /// enough.
 pub fn solve(
-    system: &mut (impl LinearSystem + ?Sized),
+    system: &mut dyn LinearSystem,
     b: &[f64],
     x: &mut [f64],
     settings: &Settings,
@@ -242,13 +242,7 @@ fn check(settings: &Settings, target: f64, before: f64, finite: bool, report: Re
 
 /// w := b - A x; returns |w|. For x = 0 no product is computed. A product may be a collective call, so |x| decides and not the part of x on this
 /// rank.
-fn residual(
-    system: &mut (impl LinearSystem + ?Sized),
-    b: &[f64],
-    x: &[f64],
-    w: &mut [f64],
-    report: &mut Report,
-) -> f64 {
+fn residual(system: &mut dyn LinearSystem, b: &[f64], x: &[f64], w: &mut [f64], report: &mut Report) -> f64 {
     if system.inner_product().norm(x) == 0.0 {
         copy(b, w);
     } else {
@@ -270,19 +264,14 @@ struct Cycle<'a> {
 
 impl Cycle<'_> {
     /// (arnoldi), then (fgmres). Returns false if a vector is not finite.
-    fn run<S: Stored>(
-        &mut self,
-        system: &mut (impl LinearSystem + ?Sized),
-        columns: &mut Columns<S>,
-        x: &mut [f64],
-    ) -> bool {
+    fn run<S: Stored>(&mut self, system: &mut dyn LinearSystem, columns: &mut Columns<S>, x: &mut [f64]) -> bool {
         let finite = self.build_basis(system, columns);
         add_combination(self.work.least_squares.solve(), &columns.preconditioned, x);
         finite
     }
 
     /// (arnoldi). Returns false if a vector is not finite.
-    fn build_basis<S: Stored>(&mut self, system: &mut (impl LinearSystem + ?Sized), columns: &mut Columns<S>) -> bool {
+    fn build_basis<S: Stored>(&mut self, system: &mut dyn LinearSystem, columns: &mut Columns<S>) -> bool {
         let Cycle { settings, target, work, report } = self;
         let beta = report.final_norm;
         work.least_squares.start(beta);

@@ -20,17 +20,17 @@ pub enum Scheme {
 /// A problem with its [`NonlinearProblem::jacobian_product`] replaced by a difference quotient.
 ///
 /// If R is not defined next to the point of linearisation, the quotient is filled with NaN, which FGMRES reports.
-pub struct FiniteDifference<'a, P: NonlinearProblem + ?Sized> {
-    problem: &'a mut P,
+pub struct FiniteDifference<'a> {
+    problem: &'a mut dyn NonlinearProblem,
     scheme: Scheme,
     z: Vec<f64>,
     residual: Vec<f64>,
     shifted: Vec<f64>,
 }
 
-impl<'a, P: NonlinearProblem + ?Sized> FiniteDifference<'a, P> {
+impl<'a> FiniteDifference<'a> {
     /// Wraps `problem`.
-    pub fn new(problem: &'a mut P, scheme: Scheme) -> Self {
+    pub fn new(problem: &'a mut dyn NonlinearProblem, scheme: Scheme) -> Self {
         let n = problem.len();
         Self { problem, scheme, z: vec![0.0; n], residual: vec![0.0; n], shifted: vec![0.0; n] }
     }
@@ -74,7 +74,7 @@ impl<'a, P: NonlinearProblem + ?Sized> FiniteDifference<'a, P> {
     }
 }
 
-impl<P: NonlinearProblem + ?Sized> NonlinearProblem for FiniteDifference<'_, P> {
+impl NonlinearProblem for FiniteDifference<'_> {
     fn len(&self) -> usize {
         self.problem.len()
     }

@@ -155,8 +155,8 @@ impl Workspace {
 ///
 /// # Panics
 /// If the number of references differs from the number of fields.
-pub fn solve<P: NonlinearProblem + ?Sized>(
-    problem: &mut P,
+pub fn solve(
+    problem: &mut dyn NonlinearProblem,
     z: &mut [f64],
     references: Option<&[f64]>,
     settings: &Settings,
@@ -172,8 +172,8 @@ pub fn solve<P: NonlinearProblem + ?Sized>(
 ///
 /// # Panics
 /// As [`solve`].
-pub fn solve_until<P: NonlinearProblem + ?Sized>(
-    problem: &mut P,
+pub fn solve_until(
+    problem: &mut dyn NonlinearProblem,
     z: &mut [f64],
     references: Option<&[f64]>,
     (settings, is_stopped): (&Settings, &dyn Fn() -> bool),

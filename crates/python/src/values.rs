@@ -42,6 +42,9 @@ fn written(value: &Bound<'_, PyAny>, depth: usize) -> PyResult<String> {
         let entries = value.try_iter()?.map(|entry| written(&entry?, depth + 1)).collect::<PyResult<Vec<_>>>()?;
         return Ok(format!("[{}]", entries.join(", ")));
     }
+    if let Ok(path) = value.call_method0("__fspath__") {
+        return written(&path, depth + 1);
+    }
     // A number of NumPy becomes one of Python, unless Python has no such number, and an array a list.
     match value.call_method0("tolist") {
         Ok(of_python) if !of_python.get_type().is(value.get_type()) => written(&of_python, depth + 1),

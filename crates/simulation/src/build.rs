@@ -6,7 +6,7 @@ mod no_slip_walls;
 mod structure;
 
 pub use driven_bodies::nodes_of_driven_bodies;
-pub use mesh_motion::{PrescribedNode, elasticity_plan, mover, mover_of, prescribed_nodes};
+pub use mesh_motion::{PrescribedNode, elasticity_plan, mover, mover_of, mover_without_flow, prescribed_nodes};
 pub use structure::{StructureAtStart, solid, structure_at_start, structure_march, supported};
 
 use super::bodies::bodies;

@@ -5,8 +5,8 @@ mod enclosure;
 use crate::nodal::{by_component, by_node};
 use crate::stored_field::StoredField;
 use enclosure::{Enclosure, to_legendre};
+use fem::parallel::{self, Grain};
 use mesh::{locate_in_cell, nearest_in_cell};
-use rayon::prelude::*;
 use std::array::from_fn;
 
 /// Finds the cells of points. An enclosure of each cell excludes nearly all cells, before any equation is solved.
@@ -39,7 +39,7 @@ impl<const D: usize> CellFinder<D> {
     pub fn of_nodes(order: usize, nodes: Vec<Vec<f64>>) -> Self {
         let to_legendre = to_legendre(order);
         let enclosure = |nodes: &Vec<f64>| Enclosure::new(&to_legendre, &by_component::<D>(nodes));
-        let enclosures = nodes.par_iter().map(enclosure).collect();
+        let enclosures = parallel::map(nodes.len(), Grain::Any, &|cell| enclosure(&nodes[cell]));
         CellFinder { order, nodes, enclosures }
     }
 
@@ -60,7 +60,8 @@ impl<const D: usize> CellFinder<D> {
             let place = |x| self.nearest(&cells, x).expect("a mesh has cells");
             points.iter().map(place).collect::<Vec<_>>()
         };
-        points.par_chunks(group).flat_map_iter(places).collect()
+        let groups: Vec<&[[f64; D]]> = points.chunks(group).collect();
+        parallel::map(groups.len(), Grain::Any, &|number| places(groups[number])).concat()
     }
 
     /// The cells that may contain points of the box from `lower` to `upper`, in ascending order.

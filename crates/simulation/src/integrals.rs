@@ -11,9 +11,9 @@
 use case::{Case, Field, Flow, Integral};
 use coupled::FlowMarch;
 use fem::Sampler;
+use fem::parallel::{self, Grain};
 use navier_stokes::{Gas, Primitive};
 use newton_krylov::inner_product;
-use rayon::prelude::*;
 use report::fields::{self, CellSample, Medium};
 
 /// The integrals that `case` asks for, over each cell of the present flow of all ranks, `[cell][integral]`, on rank 0. A collective call.
@@ -58,7 +58,7 @@ impl<const D: usize> FlowIntegrals<'_, D> {
         let sampler = Sampler::<D>::new(self.orders[0], self.orders[1], &rule.points);
         let weights = rule.tensor_weights(D);
         let of_cell = |cell: usize| self.of_cell::<M>(cell, &sampler, &weights, wanted);
-        (0..self.cells).into_par_iter().map(of_cell).collect()
+        parallel::map(self.cells, Grain::Any, &of_cell)
     }
 
     fn of_cell<const M: usize>(

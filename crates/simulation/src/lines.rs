@@ -4,7 +4,7 @@ use super::cell_finder::CellFinder;
 use super::cells::StateSource;
 use super::probes::{FlowAtPoints, names, state_at};
 use case::{FieldFormula, Line};
-use rayon::prelude::*;
+use fem::parallel::{self, Grain};
 use tensor::norm;
 
 /// The columns of the file of a line: time, distance from its start, position, fields.
@@ -20,10 +20,10 @@ pub fn rows<const D: usize, const M: usize>(
     source: &StateSource,
 ) -> Vec<Vec<f64>> {
     let cells = finder(flow, line.carried);
-    let places: Vec<Option<(usize, [f64; D])>> = line.points.par_iter().map(|point| cells.find(point)).collect();
+    let places = parallel::map(line.points.len(), Grain::Any, &|number| cells.find(&line.points[number]));
     let state = state_at(source, &places);
     let count = names::<D>(&line.fields, flow.formulas).count();
-    let row = |(point, place): (&[f64; D], &Option<(usize, [f64; D])>)| {
+    let row = |point: &[f64; D], place: &Option<(usize, [f64; D])>| {
         let start = line.points[0];
         let s = norm(&std::array::from_fn::<f64, D, _>(|i| point[i] - start[i]));
         let (x, values) = match place {
@@ -35,12 +35,12 @@ pub fn rows<const D: usize, const M: usize>(
         };
         [&[flow.time, s][..], &x, &values].concat()
     };
-    line.points.par_iter().zip(&places).map(row).collect()
+    parallel::map(places.len(), Grain::Any, &|number| row(&line.points[number], &places[number]))
 }
 
 /// Finds the cells of points, with the cells as they are, or at rest.
 fn finder<const D: usize>(flow: &FlowAtPoints<D>, at_rest: bool) -> CellFinder<D> {
     let mesh = &flow.mover.reference;
     let nodes = |cell| if at_rest { mesh.cell_coordinates(cell).to_vec() } else { flow.nodes(cell) };
-    CellFinder::of_nodes(mesh.order(), (0..mesh.n_cells()).into_par_iter().map(nodes).collect())
+    CellFinder::of_nodes(mesh.order(), parallel::map(mesh.n_cells(), Grain::Any, &nodes))
 }

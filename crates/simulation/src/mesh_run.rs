@@ -31,7 +31,12 @@ pub fn move_mesh<const D: usize, const M: usize>(
         let problem = "the case is a structure: there is no mesh motion to look at; use `stsolve run`";
         return Err(Failure::bad_input(anyhow::anyhow!(problem)));
     }
-    let mover = build::mover(case).map_err(Failure::bad_input)?;
+    let moved_by_flow = case.is_moved_by_flow();
+    if moved_by_flow && build::prescribed_nodes(case).is_empty() && build::nodes_of_driven_bodies(case).is_empty() {
+        let problem = "only the flow moves this mesh: there is no motion to look at without it; use `stsolve run`";
+        return Err(Failure::bad_input(anyhow::anyhow!(problem)));
+    }
+    let mover = build::mover_without_flow(case).map_err(Failure::bad_input)?;
     let mesh = Arc::new(MeshView::new(&mover.reference, &mover.numbering));
     let (averages, observed) = match &case.flow {
         // Nothing else would be written of the flow than NaN.
@@ -40,12 +45,14 @@ pub fn move_mesh<const D: usize, const M: usize>(
     };
     let case = &Case { flow: None, structure: None, averages, observed, ..case.clone() };
     let march = MeshMarch::new(mover, case.time.schedule(), case.solver.slab_halvings as u32);
-    drive::<D, M, _>(case, MeshRun { case, march, inverted: None }, &mesh, call)
+    drive::<D, M, _>(case, MeshRun { case, march, moved_by_flow, inverted: None }, &mesh, call)
 }
 
 struct MeshRun<'a, const D: usize> {
     case: &'a Case<D>,
     march: MeshMarch<D>,
+    /// Whether the flow moves bodies or structures, which rest here.
+    moved_by_flow: bool,
     /// The first slab in which a cell is inverted.
     inverted: Option<Inverted>,
 }
@@ -117,7 +124,7 @@ impl<const D: usize> Run for MeshRun<'_, D> {
         match context.statistics.first_invalid {
             Some(first) => Err(self.invalid(first, &quality, context, session)),
             None => {
-                say_valid(&quality, self.march.state.time, !self.case.bodies.is_empty(), context, session);
+                say_valid(&quality, self.march.state.time, self.moved_by_flow, context, session);
                 Ok(())
             }
         }
@@ -151,9 +158,9 @@ impl<const D: usize> MeshRun<'_, D> {
 }
 
 /// Reports the proof up to `time`.
-fn say_valid(quality: &MeshQuality, time: f64, bodies: bool, context: &RunContext, session: &Session) {
+fn say_valid(quality: &MeshQuality, time: f64, moved_by_flow: bool, context: &RunContext, session: &Session) {
     let directory = session.directory.path();
-    let held = if bodies { ", with bodies that rest: only a run of the flow moves them" } else { "" };
+    let held = if moved_by_flow { ", while all that the flow moves rests" } else { "" };
     context.observer.say(&format!(
         "valid until t = {}{held}: det J / det J_0 >= {:.6} proved, smallest in cell {} near t = {}; {:.1} s; results in {}; {}",
         rounded_time(time),

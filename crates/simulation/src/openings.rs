@@ -117,24 +117,26 @@ pub fn at_start<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) 
     records
 }
 
-/// Subsonic inflows and outflows, and walls with slip, at which the flow starts with a jump: a pressure or a temperature 1.5 times the other one, a
-/// velocity of a Mach number of one.
+/// Subsonic inflows and outflows, far fields, and walls with slip, at which the flow starts with a jump: a pressure or a temperature 1.5 times the
+/// other one, a velocity of a Mach number of one. Gas at rest that a far field sets into motion is a choice.
 pub fn jumps_at_start<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Vec<Mismatch> {
+    let is_far = |boundary: &usize| matches!(flow.boundary[*boundary].condition, Boundary::FarField(_));
     let may_jump = |boundary: &usize| {
         let condition = &flow.boundary[*boundary].condition;
         let is_subsonic = is_opening(condition) && !matches!(condition, Boundary::SupersonicInflow(_));
         // A wall that moves may go with the gas.
-        is_subsonic || condition.is_slip() && case.motion.is_none()
+        is_subsonic || is_far(boundary) || condition.is_slip() && case.motion.is_none()
     };
-    let is_jump = |found: &Mismatch| {
-        let least = if found.quantity.contains("velocity") { 1.0 } else { 1.5_f64.ln() };
-        found.size > least
+    let is_jump = |boundary: usize, found: &Mismatch| match found.quantity.contains("velocity") {
+        true => found.size > 1.0 && !is_far(&boundary),
+        false => found.size > 1.5_f64.ln(),
     };
     let boundaries = (0..flow.boundary.len()).filter(may_jump);
     with_start::<D, M, _>(case, flow, |grid, then| {
         boundaries
-            .filter_map(|boundary| mismatch_at(flow, &case.mesh, (grid, then), boundary))
-            .filter(is_jump)
+            .filter_map(|boundary| {
+                mismatch_at(flow, &case.mesh, (grid, then), boundary).filter(|found| is_jump(boundary, found))
+            })
             .collect()
     })
 }
@@ -284,7 +286,10 @@ impl Misuse {
     pub fn remedy(self, boundary: &str) -> String {
         match self {
             Misuse::Supersonic => {
-                format!("give the whole state: `flow.boundary.{boundary} = {{ supersonic_inflow = ... }}`")
+                format!(
+                    "give the whole state: `flow.boundary.{boundary} = {{ supersonic_inflow = ... }}`, or `far_field` where the stream is oblique to \
+                     the boundary"
+                )
             }
             Misuse::Leaving => format!(
                 "raise `total_pressure` of `{boundary}` above the pressure inside, or, at a supersonic inflow, let `velocity` point into the domain; \
@@ -294,7 +299,8 @@ impl Misuse {
                 "move `{boundary}` downstream, out of vortices and wakes, or take `far_field` where the flow outside is known"
             ),
             Misuse::Subsonic => format!(
-                "take `inflow` or `velocity_inflow` for `{boundary}`; if a shock has run into it, lower the pressure downstream"
+                "take `inflow` or `velocity_inflow` for `{boundary}` if the gas is slower than sound, and `far_field` if only the part across the \
+                 boundary is; if a shock has run into it, lower the pressure downstream"
             ),
             Misuse::Overtaking => format!(
                 "let `{boundary}` move more slowly than the gas, or rest (`motion`); `far_field` lets gas pass both ways"

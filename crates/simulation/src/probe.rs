@@ -116,7 +116,8 @@ pub struct MeshOverRun {
 /// # Errors
 /// A mesh that cannot be moved.
 pub fn move_over_run<const D: usize>(case: &Case<D>) -> anyhow::Result<Option<MeshOverRun>> {
-    let mut march = MeshMarch::new(build::mover(case)?, case.time.schedule(), case.solver.slab_halvings as u32);
+    let mut march =
+        MeshMarch::new(build::mover_without_flow(case)?, case.time.schedule(), case.solver.slab_halvings as u32);
     let mut over_run: Option<MeshOverRun> = None;
     while case.motion.is_some() && !march.is_done() && over_run.is_none_or(|m| m.first_invalid.is_none()) {
         let report = march.advance()?;

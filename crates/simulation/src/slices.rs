@@ -6,9 +6,9 @@
 use super::cells::{StateInCells, StateSource};
 use super::probes::{CellAtPoints, FlowAtPoints, names};
 use case::Slice;
+use fem::parallel::{self, Grain};
 use mesh::CellMap;
 use output::{FieldSpec, PolyData};
-use rayon::prelude::*;
 use report::fields;
 use report::simplices::{crossings, simplices};
 use std::collections::BTreeMap;
@@ -36,12 +36,13 @@ pub fn cut<const D: usize, const M: usize>(flow: &FlowAtPoints<D>, slice: &Slice
         let (plane, heights) = plane.seen(heights, faces.get(&cell).map_or(&[][..], |faces| faces), lattice.len())?;
         Some((cell, plane, heights))
     };
-    let cut: Vec<(usize, Plane<D>, Vec<f64>)> = (0..mesh.n_cells()).into_par_iter().filter_map(of_plane).collect();
+    let cut = parallel::map(mesh.n_cells(), Grain::Any, &of_plane);
+    let cut: Vec<(usize, Plane<D>, Vec<f64>)> = cut.into_iter().flatten().collect();
     let state = source(cut.iter().map(|(cell, ..)| *cell).collect());
-    let of_cell = |(cell, plane, heights): (usize, Plane<D>, _)| {
-        Piece::of::<M>(&flow.cell(cell), &state, slice, (&plane, heights), (&lattice, &tetrahedra))
+    let of_cell = |(cell, plane, heights): &(usize, Plane<D>, Vec<f64>)| {
+        Piece::of::<M>(&flow.cell(*cell), &state, slice, (plane, heights.clone()), (&lattice, &tetrahedra))
     };
-    let pieces: Vec<Piece<D>> = cut.into_par_iter().map(of_cell).collect();
+    let pieces = parallel::map(cut.len(), Grain::Any, &|number| of_cell(&cut[number]));
     joined::<D>(flow, slice, &pieces)
 }
 

@@ -3,8 +3,8 @@
 use crate::cell_finder::{CellFinder, Place};
 use crate::nodal::{by_node, dot_of};
 use fem::functions_at;
+use fem::parallel::{self, Grain};
 use mesh::CellMap;
-use rayon::prelude::*;
 
 /// A field at one time, a polynomial in each cell with values at Gauss-Lobatto nodes.
 pub struct StoredField<const D: usize> {
@@ -61,12 +61,12 @@ impl<const D: usize> StoredField<D> {
             Some((cell, xi)) => self.at(cell, &xi),
             None => vec![f64::NAN; self.components],
         };
-        points.par_iter().flat_map_iter(at).collect()
+        parallel::map(points.len(), Grain::Any, &|number| at(&points[number])).concat()
     }
 
     /// The components at `places` in its cells, `[place][component]`.
     pub fn at_places(&self, places: &[Place<D>]) -> Vec<f64> {
-        places.par_iter().flat_map_iter(|place| self.at(place.cell, &place.xi)).collect()
+        parallel::map(places.len(), Grain::Any, &|number| self.at(places[number].cell, &places[number].xi)).concat()
     }
 
     /// The means of the components over the reference cell of a cell.

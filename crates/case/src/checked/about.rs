@@ -6,7 +6,10 @@ use crate::continuation::lasting;
 use crate::document::Document;
 use crate::expression::Table;
 use crate::key::Key;
+use crate::names_in_use::unused;
 use crate::raw::{self, to_table, to_toml};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
 
 /// The description of a case, without its numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +26,8 @@ pub struct About {
     pub defaults: Vec<(String, String)>,
     /// The tables, by name.
     pub tables: Vec<(String, Table)>,
+    /// The constants and tables that no formula contains.
+    pub unused: Vec<String>,
 }
 
 impl About {
@@ -36,29 +41,33 @@ impl About {
             lasting: to_toml(&lasting(&whole)),
             defaults: defaults_taken(document, raw).into_iter().chain(checker.noted_defaults()).collect(),
             tables: checker.tables().map(|(name, table)| (name.to_owned(), table.clone())).collect(),
+            unused: ["constants", "tables"].iter().flat_map(|section| unused(document, section)).collect(),
         }
     }
 }
 
 /// The keys of the resolved case that are not in the document.
 fn defaults_taken(document: &Document, raw: &raw::Case) -> Vec<(String, String)> {
-    let full = toml::Value::Table(to_table(raw));
     let mut defaults = Vec::new();
-    collect_defaults(document, &Key::default(), &full, &mut defaults);
+    if let Ok(given) = document.tree() {
+        collect_defaults(&Key::default(), &to_table(raw), Some(given.get_ref()), &mut defaults);
+    }
     defaults
 }
 
-fn collect_defaults(document: &Document, key: &Key, value: &toml::Value, defaults: &mut Vec<(String, String)>) {
-    match value {
-        toml::Value::Table(table) => {
-            table.iter().for_each(|(name, value)| collect_defaults(document, &key.child(name), value, defaults));
+/// Adds the keys of `full` that are not in the table `given` at the same `key`.
+fn collect_defaults(key: &Key, full: &toml::Table, given: Option<&DeTable<'_>>, defaults: &mut Vec<(String, String)>) {
+    for (name, value) in full {
+        let (key, given) = (key.child(name), given.and_then(|given| given.get(name.as_str())).map(Spanned::get_ref));
+        match value {
+            toml::Value::Table(table) => collect_defaults(&key, table, given.and_then(DeValue::as_table), defaults),
+            toml::Value::String(text) if text.is_empty() => {}
+            _ if given.is_none() => {
+                // Rust writes small numbers shorter than TOML does.
+                let text = value.as_float().map_or_else(|| value.to_string(), |number| format!("{number:?}"));
+                defaults.push((key.to_string(), text));
+            }
+            _ => {}
         }
-        toml::Value::String(text) if text.is_empty() => {}
-        _ if document.position(key).is_none() => {
-            // Rust writes small numbers shorter than TOML does.
-            let text = value.as_float().map_or_else(|| value.to_string(), |number| format!("{number:?}"));
-            defaults.push((key.to_string(), text));
-        }
-        _ => {}
     }
 }

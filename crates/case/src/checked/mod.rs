@@ -75,6 +75,7 @@ use super::consequences::Damage;
 use super::document::Document;
 use super::error::{CaseError, Errors};
 use super::key::Key;
+use super::names_in_use;
 use super::raw;
 use super::reading::{self, Read};
 use crate::any_mesh::AnyMesh;
@@ -157,6 +158,7 @@ impl AnyCase {
     /// Checks the values of a case that could be read with `damage`.
     fn check_values(document: &Document, raw: &raw::Case, damage: &Damage) -> Checked<Self> {
         let Sound { checker, mut errors } = checker_of(document, raw, damage.clone());
+        errors.note(names_in_use::check_options(&checker, document));
         let (mut of_mesh, mut damage) = (Errors::default(), damage.clone());
         let mesh = of_mesh.note(mesh::build(&checker, &raw.mesh));
         errors.extend(of_mesh.without_consequences_of(&damage));

@@ -166,7 +166,7 @@ fn check_sections_of(checker: &Checker<'_>, raw: &raw::Case) -> Checked<()> {
     solver::check_bodies(checker, raw)?;
     frame_is_at_rest(checker, raw)?;
     controls::need_a_flow(checker, &raw.controls, raw.flow.is_some())?;
-    time::check_fields_of_structure(checker, &raw.output.fields, raw.structure.is_some())?;
+    time::check_fields(checker, &raw.output.fields, raw.flow.is_some(), raw.structure.is_some())?;
     restart_needs_a_flow(checker, raw.restart.as_ref(), raw.flow.is_some())?;
     check_without_flow(checker, raw)
 }

@@ -1,6 +1,6 @@
 //! Numbers of unknowns of a case, and what follows from them.
 
-use super::{AllowedChange, Case, Motion, Preconditioner, constrained};
+use super::{AllowedChange, Case, Freedom, Motion, Preconditioner, constrained};
 use ::mesh as mesh_crate;
 use navier_stokes::Boundary;
 
@@ -84,6 +84,14 @@ impl<const D: usize> Case<D> {
     /// Whether there are bodies or structures that the flow moves.
     pub fn has_moved_bodies(&self) -> bool {
         self.flow.is_some() && (!self.bodies.is_empty() || self.structure.is_some())
+    }
+
+    /// Whether the flow moves a structure, or a coordinate of a body that is not driven over the whole run.
+    pub fn is_moved_by_flow(&self) -> bool {
+        let ends = |freedom: &Freedom| freedom.release.is_some_and(|release| release < self.time.end);
+        let is_free = |freedom: &Freedom| freedom.motion.is_none() || ends(freedom);
+        let structure = self.flow.is_some() && self.structure.is_some();
+        structure || self.bodies.iter().flat_map(|body| &body.freedoms).any(is_free)
     }
 
     /// About the bytes of the preconditioner by blocks: the square of the unknowns of each cell, in single precision for the Jacobian and in

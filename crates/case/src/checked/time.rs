@@ -199,14 +199,28 @@ pub(super) fn check_integrals<const D: usize>(checker: &Checker<'_>, integrals: 
     }
 }
 
-/// Checks that only a case with a structure writes fields of one.
-pub(super) fn check_fields_of_structure(checker: &Checker<'_>, fields: &[Field], has_structure: bool) -> Checked<()> {
-    match fields.iter().position(|field| field.is_of_structure()) {
-        Some(index) if !has_structure => {
+/// Checks that only a case with a flow or a structure writes fields of it.
+pub(super) fn check_fields(
+    checker: &Checker<'_>,
+    fields: &[Field],
+    has_flow: bool,
+    has_structure: bool,
+) -> Checked<()> {
+    let needs_flow = |field: &Field| Field::OF_FLOW.contains(field) || *field == Field::Vorticity;
+    for (index, field) in fields.iter().enumerate() {
+        let key = Key::new("output.fields").entry(index);
+        if field.is_of_structure() && !has_structure {
             let problem = "the case has no structure, and this is a field of one";
-            let key = Key::new("output.fields").entry(index);
-            Err(checker.combination(&key, problem, "a field of the flow, or a section [structure]"))
+            return Err(checker.combination(&key, problem, "a field of the flow, or a section [structure]"));
         }
-        _ => Ok(()),
+        if needs_flow(field) && !has_flow {
+            let problem = "the case has no flow, and this is a field of one";
+            return Err(checker.combination(
+                &key,
+                problem,
+                "a field of the mesh or the structure, or a section [flow]",
+            ));
+        }
     }
+    Ok(())
 }

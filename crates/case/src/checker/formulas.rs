@@ -88,10 +88,32 @@ impl Checker<'_> {
         }
     }
 
+    /// The error of a name that the case defines, but not for the formula at `key`.
+    fn name_out_of_place(&self, key: &Key, name: &str) -> Option<Box<CaseError>> {
+        let is_in = |section: &str| self.document.position(&Key::new(section).child(name)).is_some();
+        let (problem, accepted) = if is_in("constants") {
+            (format!("constants need each other: `{name}` needs this one"), "no circle of constants")
+        } else if is_in("tables") {
+            (
+                format!("`{name}` is a table, and numbers are computed before tables"),
+                "a formula of numbers and constants",
+            )
+        } else if is_in("controls") {
+            let problem = format!("`{name}` is a control, and this formula is not one that a control may change");
+            (problem, "controls in formulas of `flow.source` and `flow.boundary`")
+        } else {
+            return None;
+        };
+        Some(self.combination(key, &problem, accepted))
+    }
+
     /// The error of a formula. A name whose definition has an error is not an error of the formula.
     fn wrong_formula(&self, key: &Key, error: ExpressionError) -> Box<CaseError> {
         match &error.problem {
             Problem::UnknownName { name, .. } if self.damage.hides_name(name) => self.follows(key),
+            Problem::UnknownName { name, .. } => {
+                self.name_out_of_place(key, name).unwrap_or_else(|| self.error(key, Cause::Expression(error)))
+            }
             _ => self.error(key, Cause::Expression(error)),
         }
     }

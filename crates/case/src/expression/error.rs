@@ -20,8 +20,11 @@ pub struct ExpressionError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Problem {
     /// A character that no formula contains.
-    #[error("unexpected character `{0}`")]
-    Character(char),
+    #[error("unexpected character `{character}`{}", instead_of(*.character))]
+    Character {
+        /// The character.
+        character: char,
+    },
     /// An invalid number.
     #[error("`{0}` is not a number")]
     Number(String),
@@ -73,6 +76,15 @@ pub enum Problem {
 
 fn did_you_mean(nearest: &Option<String>) -> String {
     nearest.as_ref().map_or_else(String::new, |name| format!(", did you mean `{name}`?"))
+}
+
+/// How to write what other languages write with a character that is unknown here.
+fn instead_of(character: char) -> &'static str {
+    match character {
+        '&' | '|' => ": `a*b` is 1 where both comparisons hold, `max(a, b)` where one does",
+        '%' => ": `a - b*floor(a/b)` is the remainder",
+        _ => "",
+    }
 }
 
 /// The problem, then the formula on a line of its own with carets below the place.

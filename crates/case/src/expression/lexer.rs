@@ -56,7 +56,7 @@ fn next(characters: &[char], position: usize) -> Result<Token, (usize, Problem)>
         (Kind::Name(rest[..length].iter().collect()), length)
     } else {
         let symbol = SYMBOLS.iter().find(|symbol| symbol.chars().eq(rest.iter().take(symbol.len()).copied()));
-        let symbol = symbol.ok_or((1, Problem::Character(rest[0])))?;
+        let symbol = symbol.ok_or((1, Problem::Character { character: rest[0] }))?;
         // The power operator of other languages.
         (Kind::Symbol(if *symbol == "**" { "^" } else { symbol }), symbol.len())
     };

@@ -36,11 +36,14 @@ pub(super) enum Function {
     Sin,
     Cos,
     Tan,
+    Asin,
+    Acos,
     Atan,
     Tanh,
     Sinh,
     Cosh,
     Deg,
+    Floor,
 }
 
 /// Names that are called like functions.
@@ -49,6 +52,7 @@ pub(super) enum Callable {
     Unary(Function),
     Min,
     Max,
+    Atan2,
     If,
     Table(Arc<Table>),
 }
@@ -73,7 +77,7 @@ pub fn is_variable(name: &str) -> bool {
     name == TIME || name == ARC_LENGTH || COORDINATES.contains(&name)
 }
 
-static CALLABLES: [(&str, Callable); 15] = [
+static CALLABLES: [(&str, Callable); 19] = [
     ("if", Callable::If),
     ("min", Callable::Min),
     ("max", Callable::Max),
@@ -84,11 +88,15 @@ static CALLABLES: [(&str, Callable); 15] = [
     ("sin", Callable::Unary(Function::Sin)),
     ("cos", Callable::Unary(Function::Cos)),
     ("tan", Callable::Unary(Function::Tan)),
+    ("asin", Callable::Unary(Function::Asin)),
+    ("acos", Callable::Unary(Function::Acos)),
+    ("atan2", Callable::Atan2),
     ("atan", Callable::Unary(Function::Atan)),
     ("tanh", Callable::Unary(Function::Tanh)),
     ("sinh", Callable::Unary(Function::Sinh)),
     ("cosh", Callable::Unary(Function::Cosh)),
     ("deg", Callable::Unary(Function::Deg)),
+    ("floor", Callable::Unary(Function::Floor)),
 ];
 
 impl Callable {
@@ -96,7 +104,7 @@ impl Callable {
     pub(super) fn arguments(&self) -> usize {
         match self {
             Callable::Unary(_) | Callable::Table(_) => 1,
-            Callable::Min | Callable::Max => 2,
+            Callable::Min | Callable::Max | Callable::Atan2 => 2,
             Callable::If => 3,
         }
     }

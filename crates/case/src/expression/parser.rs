@@ -179,6 +179,7 @@ impl Parser<'_> {
             Callable::Unary(function) => Instruction::Apply(function),
             Callable::Min => Instruction::Min,
             Callable::Max => Instruction::Max,
+            Callable::Atan2 => Instruction::Atan2,
             Callable::If => Instruction::Select,
             Callable::Table(table) => Instruction::Interpolate(table),
         })

@@ -3,6 +3,7 @@
 use super::control::ControlValue;
 use super::names::{Function, Variable};
 use super::table::Table;
+use std::f64::consts::PI;
 use std::sync::Arc;
 use tensor::Transcendental;
 
@@ -42,6 +43,8 @@ pub(super) enum Instruction {
     Power,
     Min,
     Max,
+    /// (y, x): the angle of the point (x, y) from the x axis, from -pi to pi.
+    Atan2,
     Compare(Comparison),
     /// (condition, a, b): a if the condition is not zero, otherwise b.
     Select,
@@ -54,7 +57,7 @@ impl Instruction {
         match self {
             Constant(_) | Variable(_) | Control(_) => 0,
             Negate | Apply(_) | Interpolate(_) | IntegerPower(_) | RealPower(_) => 1,
-            Add | Subtract | Multiply | Divide | Power | Min | Max | Compare(_) => 2,
+            Add | Subtract | Multiply | Divide | Power | Min | Max | Atan2 | Compare(_) => 2,
             Select => 3,
         }
     }
@@ -171,6 +174,7 @@ pub(super) fn step<T: Transcendental>(instruction: &Instruction, a: &[T], x: &[T
         Instruction::Power => power(a[0], a[1]),
         Instruction::Min => without_value(a).unwrap_or_else(|| a[0].min(a[1])),
         Instruction::Max => without_value(a).unwrap_or_else(|| a[0].max(a[1])),
+        Instruction::Atan2 => angle(a[0], a[1]),
         Instruction::Compare(comparison) => without_value(a)
             .unwrap_or_else(|| T::from(f64::from(u8::from(compare(*comparison, a[0].value(), a[1].value()))))),
         Instruction::Select => without_value(&a[..1]).unwrap_or(if a[0].value() != 0.0 { a[1] } else { a[2] }),
@@ -191,12 +195,16 @@ fn apply<T: Transcendental>(function: Function, a: T) -> T {
         Function::Sin => a.sin(),
         Function::Cos => a.cos(),
         Function::Tan => a.sin() / a.cos(),
+        // sqrt(1 - a^2) by factors keeps its digits where a is near 1.
+        Function::Asin => angle(a, real_power((-a + 1.0) * (a + 1.0), 0.5)),
+        Function::Acos => angle(real_power((-a + 1.0) * (a + 1.0), 0.5), a),
         Function::Atan => a.atan(),
         Function::Tanh => a.tanh(),
         Function::Sinh => sinh(a),
         // (e^a + e^-a) / 2
         Function::Cosh => (a.exp() + (-a).exp()) * 0.5,
-        Function::Deg => a * (std::f64::consts::PI / 180.0),
+        Function::Deg => a * (PI / 180.0),
+        Function::Floor => T::from(a.value().floor()),
     }
 }
 
@@ -208,6 +216,18 @@ fn compare(comparison: Comparison, a: f64, b: f64) -> bool {
         Comparison::GreaterEqual => a >= b,
         Comparison::Equal => a == b,
         Comparison::NotEqual => a != b,
+    }
+}
+
+/// The angle of the point (x, y) from the x axis, from -pi to pi; 0 at the origin.
+fn angle<T: Transcendental>(y: T, x: T) -> T {
+    let half_turn = if y.value() < 0.0 { -PI } else { PI };
+    if x.value() == 0.0 && y.value() == 0.0 {
+        T::from(0.0)
+    } else if x.value().abs() < y.value().abs() {
+        -(x / y).atan() + half_turn / 2.0
+    } else {
+        (y / x).atan() + if x.value() < 0.0 { half_turn } else { 0.0 }
     }
 }
 

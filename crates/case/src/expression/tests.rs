@@ -40,6 +40,9 @@ const SAMPLES: &[Sample] = &[
     }),
     ("abs(x - y) + sqrt(z) + log(y)", |x, _| (x[0] - x[1]).abs() + x[2].sqrt() + x[1].ln()),
     ("tan(x) + atan(y) + tanh(z)", |x, _| x[0].tan() + x[1].atan() + x[2].tanh()),
+    ("asin(x/2) - acos(-y/3)", |x, _| (x[0] / 2.0).asin() - (-x[1] / 3.0).acos()),
+    ("atan2(y - 1, x - 1) + atan2(-z, -x)", |x, _| (x[1] - 1.0).atan2(x[0] - 1.0) + (-x[2]).atan2(-x[0])),
+    ("x - 0.5*floor(x/0.5)", |x, _| x[0].rem_euclid(0.5)),
     ("deg(90*x)", |x, _| (90.0 * x[0]).to_radians()),
     ("sinh(x) * cosh(y) / 1.5e1", |x, _| x[0].sinh() * x[1].cosh() / 15.0),
     ("(((x)))*.5 - 1.e-1", |x, _| x[0] * 0.5 - 0.1),
@@ -136,7 +139,7 @@ fn constants_are_folded_and_powers_of_them_are_known() {
 #[test]
 fn errors_say_where_and_what() {
     let unexpected = |expected, found: &str| Problem::Unexpected { expected, found: found.to_owned() };
-    assert_eq!(problem("x + $"), (4, 1, Problem::Character('$')));
+    assert_eq!(problem("x + $"), (4, 1, Problem::Character { character: '$' }));
     assert_eq!(problem("1.2.3"), (0, 5, Problem::Number("1.2.3".into())));
     assert_eq!(problem("2 x"), (2, 1, unexpected("an operator such as `*`, or the end of the expression", "`x`")));
     assert_eq!(
@@ -148,6 +151,8 @@ fn errors_say_where_and_what() {
     let arguments = |name: &str, takes, found| Problem::Arguments { name: name.into(), takes, found };
     assert_eq!(problem("1 + min(x)"), (4, 3, arguments("min", 2, 1)));
     assert_eq!(problem("sin()"), (0, 3, arguments("sin", 1, 0)));
+    let both = Program::compile("(x > 0) && (y > 0)", &names()).unwrap_err().to_string();
+    assert!(both.contains("`a*b` is 1 where both comparisons hold"), "{both}");
     assert!(matches!(problem("x(1)"), (0, 1, Problem::Misused { is: "number, not a function", .. })));
     assert!(matches!(problem("1 - cos"), (4, 3, Problem::Misused { is: "function", .. })));
 }
@@ -169,7 +174,7 @@ fn unknown_names_come_with_the_nearest_known_one() {
     };
     assert_eq!(nearest("ampltude*x").as_deref(), Some("amplitude"));
     assert_eq!(nearest("cso(x)").as_deref(), Some("cos"));
-    assert_eq!(nearest("velocity"), None);
+    assert_eq!((nearest("velocity"), nearest("ln(x)").as_deref()), (None, Some("log")));
     let error = Program::compile("z", &Names::constants_only().with_coordinates(2)).unwrap_err();
     assert!(matches!(error.problem, Problem::UnknownName { .. }), "there is no z in two dimensions");
     assert!(Program::compile("t", &Names::constants_only().with_coordinates(2)).is_err(), "nor t without time");

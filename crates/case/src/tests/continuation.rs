@@ -38,6 +38,16 @@ fn how_closely_and_how_far_may_change() {
     assert_eq!(changed(&["time={order=2,end=2.7,slabs=9}"]).1, [""; 0], "slabs of the same length to round-off");
 }
 
+/// A run was refused that differed in such a constant.
+#[test]
+fn constants_of_the_end_alone_may_change() {
+    let text = BASE.replace("b = \"2*a\"", "periods = 2").replace("end = 1", "end = \"0.6*periods\"");
+    let [before, now] = [&[][..], &["constants.periods=4"]].map(|options| plane(&text, options).about);
+    assert_eq!(before.lasting, now.lasting);
+    let Differences { all, lasting, .. } = differences(&before.resolved, &now.resolved).unwrap();
+    assert_eq!((all.len(), lasting.len()), (2, 0), "{all:?} {lasting:?}");
+}
+
 #[test]
 fn what_the_state_means_may_not() {
     for option in [

@@ -55,9 +55,38 @@ fn constants_may_use_those_above_them() {
     let displacement = r#"motion.boundary.left.displacement=["4*b*t*y*(1 - y)", 0]"#;
     assert_eq!(bound(&[displacement]), 0.2);
     assert_eq!(bound(&[displacement, "constants.a=1"]), 2.0, "an option keeps the place of its constant");
-    assert!(message_with("a =", "a = \"2*b\"").contains("unknown name `b`"), "not those below");
+    let circle = message_with("a =", "a = \"2*b\"");
+    assert!(circle.contains("constants need each other: `b` needs this one"), "{circle}");
     assert!(message_with("a =", "a = \"1/0\"").contains("finite"));
     assert!(message_with("a =", "sin = 1").contains("a constant cannot be called `sin`"));
+}
+
+/// They were unknown names.
+#[test]
+fn a_name_that_has_no_meaning_at_a_place_is_told_so() {
+    let table = "tables.way={t=[0,1,2],values=[0,1,0]}";
+    let message = |options: &[&str]| check_text(BASE, options).unwrap_err().to_string();
+    let of_number = message(&[table, "time.end=\"2*way(1)\""]);
+    assert!(of_number.contains("`way` is a table, and numbers are computed before tables"), "{of_number}");
+    let control = "controls.c={measure=\"mass\",rate=\"1 - measured\"}";
+    let of_motion = message(&[control, "motion.boundary.left.displacement=[\"c*t\",0]"]);
+    assert!(of_motion.contains("`c` is a control"), "{of_motion}");
+}
+
+/// `--set constants.amplitud=2` was a new constant, and the run that of the file.
+#[test]
+fn a_constant_that_only_an_option_has_must_be_of_use() {
+    let message = check_text(BASE, &["constants.aa=2"]).unwrap_err().to_string();
+    assert!(message.contains("`aa`") && message.contains("did you mean `a`?"), "{message}");
+    let used = plane(BASE, &["constants.speed=2", "flow.initial.uniform.velocity=[\"0.25*speed\",0]"]);
+    assert_eq!(used.about.unused, ["b"]);
+}
+
+/// The other key was given twice.
+#[test]
+fn an_option_with_one_of_two_keys_replaces_the_other() {
+    let slabs = |options: &[&str]| plane(BASE, options).time.slabs;
+    assert_eq!((slabs(&["time.slabs=8"]), slabs(&["time.slabs=8", "time.step=0.5"])), (8, 2));
 }
 
 #[test]

@@ -1,8 +1,9 @@
 //! Airfoils and blades.
 
+use crate::one_of::{self, OneOf};
 use mesh::generate::{AirfoilMesh, BladeMesh};
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::path::PathBuf;
 
 /// An airfoil with a closed trailing edge: NACA 00xx by its thickness, another one by `naca` or `profile`. Lengths are in chords.
@@ -13,7 +14,7 @@ pub struct AirfoilGenerator {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub thickness: Option<f64>,
     /// Instead of the thickness: four digits of NACA, such as `"2412"`. The nose of the camber line is at the origin.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "digits")]
     pub naca: Option<String>,
     /// Instead of the thickness: a text file, relative to the case file, with a point in each line, x and y. The points run from the trailing
     /// edge over the upper side and the nose back to the trailing edge. In the format of Lednicer they run from the nose along the upper
@@ -40,6 +41,20 @@ pub struct AirfoilGenerator {
     /// The near part at the wall, with finer cells. Default: cells grow by one factor up to the far field.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub near_wall: Option<NearPart>,
+}
+
+/// Digits as a text, or as a number, which an option `--set ...naca=2412` is.
+struct Digits(String);
+
+impl OneOf for Digits {
+    type Entry = f64;
+    const EXPECTED: &'static str = "four digits in quotes";
+    const OF_TEXT: fn(String) -> Self = Digits;
+    const OF_WHOLE: Option<fn(usize) -> Self> = Some(|number| Digits(format!("{number:04}")));
+}
+
+fn digits<'de, S: Deserializer<'de>>(deserializer: S) -> Result<Option<String>, S::Error> {
+    one_of::deserialize(deserializer).map(|Digits(digits)| Some(digits))
 }
 
 /// A part of a mesh with finer cells: in it cells grow by one factor, beyond it by another.

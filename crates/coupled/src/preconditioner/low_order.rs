@@ -38,7 +38,7 @@ pub fn low_order<const D: usize, const M: usize>(
     scales: TimeScales,
     ordering: Option<Ordering>,
 ) -> Box<dyn FlowPreconditioner<D, M>> {
-    if M <= 4 {
+    if const { M <= 4 } {
         Box::new(NodeIlu::<D, M, 4>::new(operator, scales, ordering))
     } else {
         Box::new(NodeIlu::<D, M, 8>::new(operator, scales, ordering))

@@ -19,6 +19,9 @@ use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, Real, WIDTH};
 
+/// The matrices of the cells of a batch, `[column][row]`, both `[component][node]`, by the number of the batch.
+pub(crate) type BatchMatrices<'a> = dyn Fn(usize) -> Vec<Pack> + Sync + 'a;
+
 /// The number of columns that are factored together, and the size of the blocks in which products are subtracted.
 const BLOCK: usize = 4;
 
@@ -66,13 +69,12 @@ impl CellUnknowns {
 impl InnerFactor {
     /// Eliminates the inner nodes of all cells. Returns the factor and, for each cell, S with rows `[node][component]` of its skeleton.
     ///
-    /// `matrices(batch)` are the matrices of the cells of a batch, `[column][row]`, both `[component][node]`. A constrained entry
-    /// keeps its place, with the row and the column of the identity in every cell.
+    /// A constrained entry keeps its place, with the row and the column of the identity in every cell.
     pub(crate) fn new<const D: usize>(
         unknowns: &CellUnknowns,
         batches: &NodalBatches<D>,
         constrained: &[[bool; D]],
-        matrices: impl Fn(usize) -> Vec<Pack> + Sync,
+        matrices: &BatchMatrices<'_>,
     ) -> Result<(Self, Vec<Mat<f64>>), ElasticityError> {
         let nodes = unknowns.count() / D;
         let eliminate = |batch: usize| {

@@ -89,10 +89,10 @@ impl<const D: usize> ElasticMesh<D> {
         let matrices = |batch| self.operator.cell_matrices(bottom, batch);
         self.inverse = match &self.inverse {
             Inverse::Direct(condensation) => {
-                Inverse::Direct(Box::new(condensation.elimination().factor(self.operator.batches(), matrices)?))
+                Inverse::Direct(Box::new(condensation.elimination().factor(self.operator.batches(), &matrices)?))
             }
             Inverse::Substructures(substructures) => {
-                Inverse::Substructures(Box::new(substructures.with_matrices(matrices)?))
+                Inverse::Substructures(Box::new(substructures.with_matrices(&matrices)?))
             }
             Inverse::LowOrder(low_order) => {
                 let multigrid = low_order.is_multigrid().then_some(&self.coordinates[..]);
@@ -111,7 +111,7 @@ impl<const D: usize> ElasticMesh<D> {
         let build = |d: &[f64]| {
             let (lame, inertia) = (self.operator.lame(), Inertia::none());
             let (samples, fixed) = (|cell| Ok(nodes.moved(cell, d)), &self.constrained);
-            let terms = LowOrderTerms { lame, inertia, numbering: &nodes.numbering, samples, fixed };
+            let terms = LowOrderTerms { lame, inertia, numbering: &nodes.numbering, samples: &samples, fixed };
             LowOrderInverse::new(&terms, multigrid)
         };
         match build(d) {

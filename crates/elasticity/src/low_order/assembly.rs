@@ -89,17 +89,17 @@ fn places_of_unknowns(numbering: &NodeNumbering, unknowns: &[Option<usize>]) -> 
 }
 
 /// K + m M on the sub-cells of a mesh.
-pub(crate) struct LowOrderTerms<'a, const D: usize, F> {
+pub(crate) struct LowOrderTerms<'a, const D: usize> {
     pub(crate) lame: Lame,
     pub(crate) inertia: Inertia<'a, D>,
     pub(crate) numbering: &'a NodeNumbering,
     /// The samples of a cell at the Gauss-Lobatto nodes of the numbering's order.
-    pub(crate) samples: F,
+    pub(crate) samples: &'a dyn Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
     /// The components that are held, by C0 node. Of their rows and columns only the diagonal is kept.
     pub(crate) fixed: &'a [[bool; D]],
 }
 
-impl<const D: usize, F: Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>> LowOrderTerms<'_, D, F> {
+impl<const D: usize> LowOrderTerms<'_, D> {
     /// The C0 nodes with a free component.
     pub(super) fn free(&self) -> Vec<usize> {
         (0..self.numbering.count).filter(|&node| self.fixed[node] != [true; D]).collect()

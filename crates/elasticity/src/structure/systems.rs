@@ -62,7 +62,7 @@ impl<const D: usize> Structure<D> {
             Ok(samples)
         };
         let (numbering, fixed) = (&self.numbering, &self.fixed);
-        LowOrderInverse::new(&LowOrderTerms { lame: base, inertia, numbering, samples, fixed }, None)
+        LowOrderInverse::new(&LowOrderTerms { lame: base, inertia, numbering, samples: &samples, fixed }, None)
     }
 
     /// Whether its supports leave no rigid motion: the products of rigid motions at fixed entries are a definite matrix.

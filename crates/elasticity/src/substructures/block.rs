@@ -1,7 +1,7 @@
 //! One block of the mesh.
 
 use crate::ElasticityError;
-use crate::condensation::{Condensation, Eliminated, Elimination};
+use crate::condensation::{BatchMatrices, Condensation, Eliminated, Elimination};
 use crate::substructures::interface::Interface;
 use crate::substructures::taken;
 use faer::Mat;
@@ -60,12 +60,9 @@ impl<const D: usize> Block<D> {
     }
 
     /// The factor of K_bb, and both triangles of S_b.
-    pub(super) fn factor(
-        &self,
-        matrices: &(impl Fn(usize) -> Vec<Pack> + Sync),
-    ) -> Result<(Condensation<D>, Mat<f64>), ElasticityError> {
+    pub(super) fn factor(&self, matrices: &BatchMatrices<'_>) -> Result<(Condensation<D>, Mat<f64>), ElasticityError> {
         let own = |batch| self.own_matrices(batch, matrices);
-        let mut condensation = self.elimination.factor(&self.batches, own)?;
+        let mut condensation = self.elimination.factor(&self.batches, &own)?;
         let mut complement = condensation.take_complement();
         for j in 0..complement.ncols() {
             (0..j).for_each(|i| complement[(i, j)] = complement[(j, i)]);
@@ -74,7 +71,7 @@ impl<const D: usize> Block<D> {
     }
 
     /// The matrices of a batch of own cells, from those of the batches of the whole mesh.
-    fn own_matrices(&self, batch: usize, matrices: &impl Fn(usize) -> Vec<Pack>) -> Vec<Pack> {
+    fn own_matrices(&self, batch: usize, matrices: &BatchMatrices<'_>) -> Vec<Pack> {
         let mut own = zeroed(self.batches.cell_length().pow(2));
         let mut last: Option<(usize, Vec<Pack>)> = None;
         for lane in 0..WIDTH {

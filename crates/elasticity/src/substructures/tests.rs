@@ -154,7 +154,7 @@ fn an_unstable_block_is_an_error_of_all_ranks() {
             let (_, prepared) = Plan::prepare(&mesh, &numbering, &batches, &constrained, &blocks);
             let Prepared::Cuts(cuts) = prepared else { panic!("{solver:?} works on blocks") };
             let unstable = |_| vec![Pack([-1.0; WIDTH]); batches.cell_length().pow(2)];
-            Substructures::new(cuts, solver == Solver::Direct, unstable).err()
+            Substructures::new(cuts, solver == Solver::Direct, &unstable).err()
         });
         assert!(errors.iter().all(|error| matches!(error, Some(ElasticityError::NotDefinite { .. }))), "{errors:?}");
     }

@@ -153,7 +153,8 @@ impl AirfoilMesh {
         let length = self.trailing_edge_cell;
         let tau = 1.0 - 1.0 / self.surface_cells as f64;
         let clustering = ((1.0 - length).sqrt() - tau) * PI / (PI * tau).sin();
-        let accepted = "a length that a smooth distribution can reach (between 3 / n^3 and 3 / n for n cells)";
+        let accepted =
+            "a length that a smooth distribution can reach (for n cells from 0.02 / n + 3.3 / n^3 to about 3 / n)";
         let fine = (-0.8..=0.99).contains(&clustering);
         Check { mesh: "airfoil" }.that(fine, "the length of the cell at the trailing edge", length, accepted)?;
         Ok(clustering)

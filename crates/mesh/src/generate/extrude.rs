@@ -23,6 +23,9 @@ pub struct Extrusion {
     pub periodic: bool,
 }
 
+/// Rounding distorts layers that are thinner than this part of their distance from z = 0.
+const THINNEST: f64 = 1e-10;
+
 impl Mesh<2> {
     /// The three-dimensional mesh with this cross-section. It is valid if this mesh is: det J = det J_2D times half the
     /// height of a layer.
@@ -136,8 +139,16 @@ impl Extrusion {
         check.positive("the depth", self.depth)?;
         check.count("the number of layers", self.layers)?;
         check.that(self.lower.is_finite(), "z of the front", self.lower, "a number")?;
+        let (height, furthest) =
+            (self.depth / self.layers as f64, self.lower.abs().max((self.lower + self.depth).abs()));
+        check.that(
+            height > THINNEST * furthest,
+            "the height of a layer",
+            height,
+            "more than 1e-10 of z at its ends",
+        )?;
         match mesh.boundary_names.iter().find(|name| !self.periodic && ENDS.contains(&name.as_str())) {
-            Some(name) => Err(MeshError::NameTwice { name: name.clone() }),
+            Some(name) => Err(MeshError::NameOfEnd { name: name.clone() }),
             None => Ok(()),
         }
     }
@@ -217,7 +228,10 @@ mod tests {
         assert!(plane.extruded(&Extrusion { depth: 0.0, ..extrusion(1, true) }).is_err());
         let mut named = plane.clone();
         named.boundary_names[0] = "back".to_owned();
-        assert_eq!(named.extruded(&extrusion(1, false)).unwrap_err(), MeshError::NameTwice { name: "back".to_owned() });
+        assert_eq!(named.extruded(&extrusion(1, false)).unwrap_err(), MeshError::NameOfEnd { name: "back".to_owned() });
+        // Layers that rounding makes uneven were a mesh.
+        let far = Extrusion { lower: 1e9, depth: 1e-7, ..extrusion(4, false) };
+        assert!(matches!(mesh.extruded(&far), Err(MeshError::Parameter { quantity: "the height of a layer", .. })));
         assert!(named.extruded(&extrusion(1, true)).is_ok());
     }
 }

@@ -6,7 +6,7 @@ use super::source::without_mark;
 const HEADER: usize = 1 << 16;
 
 /// The first bytes of formats, and their names with an article.
-const BEGINNINGS: [(&[u8], &str); 7] = [
+const BEGINNINGS: [(&[u8], &str); 10] = [
     (b"\x89HDF\r\n\x1a\n", "an HDF5 file, such as a CGNS mesh or a result of stsolve, and no text"),
     (
         b"@(#)ADF Database Version",
@@ -17,7 +17,13 @@ const BEGINNINGS: [(&[u8], &str); 7] = [
     (b"# vtk DataFile", "a mesh of VTK"),
     (b"MeshVersionFormatted", "a mesh of Medit"),
     (b"*HEADING", "a mesh of Abaqus"),
+    (b"(0 ", FLUENT),
+    (b"(1 ", FLUENT),
+    (b"(2 ", FLUENT),
 ];
+
+/// Its files have the ending of those of Gmsh.
+const FLUENT: &str = "a mesh of Fluent";
 
 /// The format of a file that is not Gmsh's, if it is known.
 pub(super) fn format(bytes: &[u8]) -> Option<&'static str> {

@@ -6,13 +6,12 @@ use crate::MeshError;
 pub(super) fn simplices(dimension: usize) -> &'static str {
     match dimension {
         2 => {
-            "make quadrilaterals in Gmsh, by `Mesh.RecombineAll = 1` with `Mesh.RecombinationAlgorithm = 3`, or by \
-             `Mesh.SubdivisionAlgorithm = 1`; or set `mesh.split_simplices = true` in the case, which splits each \
+            "make quadrilaterals in Gmsh, by `Mesh.RecombineAll = 1` with `Mesh.SubdivisionAlgorithm = 1`; or set `mesh.split_simplices = true` in the case, which splits each \
              triangle into 3 quadrilaterals"
         }
         _ => {
             "make hexahedra in Gmsh, by `Mesh.SubdivisionAlgorithm = 2`, or by `Mesh.RecombineAll = 1` with \
-             `Mesh.RecombinationAlgorithm = 3` and extrusion with `Recombine`; or set `mesh.split_simplices = true` in \
+             `Mesh.SubdivisionAlgorithm = 1` and extrusion with `Recombine`; or set `mesh.split_simplices = true` in \
              the case, which splits each tetrahedron into 4 and each prism into 3 hexahedra"
         }
     }

@@ -75,7 +75,7 @@ impl<'a> Source<'a> {
             return Ok(None);
         }
         let length = rest.iter().position(|&byte| byte == b'\n').unwrap_or(rest.len());
-        let line = std::str::from_utf8(&rest[..length]).map_err(|_| self.unexpected("a line of text"))?;
+        let line = std::str::from_utf8(&rest[..length]).map_err(|_| self.unexpected("a line of text in UTF-8"))?;
         self.position += (length + 1).min(rest.len());
         Ok(Some(line.trim()))
     }

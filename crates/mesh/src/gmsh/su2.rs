@@ -8,6 +8,7 @@ use super::places::Words;
 use super::shape::Shape;
 use super::source::without_mark;
 use super::{FilePosition, GmshError};
+use std::borrow::Cow;
 use std::str::{FromStr, SplitWhitespace};
 
 /// Keys that do not belong to the mesh: angles of the flow, and periodic transformations of old versions.
@@ -33,7 +34,8 @@ struct Reader {
 
 /// The lists of an SU2 file.
 pub(super) fn read(bytes: &[u8]) -> Result<File, GmshError> {
-    let (mut lines, mut reader) = (KeywordLines::new(text(bytes)?), Reader::default());
+    let text = text(bytes);
+    let (mut lines, mut reader) = (KeywordLines::new(&text), Reader::default());
     while let Some((line, text)) = lines.rest.next() {
         let (key, value) = keyword(text).ok_or_else(|| {
             unexpected(line, "a key, such as NELEM= 4 (or the list before is longer than its count)", text)
@@ -47,12 +49,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<File, GmshError> {
     reader.finish(lines.end)
 }
 
-fn text(bytes: &[u8]) -> Result<&str, GmshError> {
-    let bytes = without_mark(bytes);
-    std::str::from_utf8(bytes).map_err(|error| {
-        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
-        unexpected(line, "a line of text", "bytes that are not UTF-8")
-    })
+/// The file as text. Letters of another encoding than UTF-8, in a comment perhaps, become replacement characters.
+fn text(bytes: &[u8]) -> Cow<'_, str> {
+    String::from_utf8_lossy(without_mark(bytes))
 }
 
 /// The key of a line `KEY= value` in capitals, because SU2 takes keys in any case, and the value.

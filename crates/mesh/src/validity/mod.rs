@@ -22,6 +22,7 @@ mod tests;
 
 use crate::geometry::inverted;
 use crate::lattice::Lattice;
+use crate::parallel::{self, Grain};
 use crate::{CellMap, Mesh, MeshError};
 use basis::{Lagrange, Matrix};
 use bernstein::{Direction, Polynomial};
@@ -182,7 +183,7 @@ impl<const D: usize> Mesh<D> {
     pub fn smallest_scaled_jacobian(&self) -> (usize, f64) {
         let check = ValidityCheck::<D>::new(self.order, &[0.0]);
         let value = |cell| (cell, check.bound(self.cell_coordinates(cell)).scaled_jacobian());
-        let values: Vec<_> = (0..self.n_cells()).into_par_iter().map(value).collect();
+        let values = parallel::map(self.n_cells(), Grain::Any, &value);
         values.into_iter().fold((0, f64::INFINITY), |least, next| if next.1 < least.1 { next } else { least })
     }
 }

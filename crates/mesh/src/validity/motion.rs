@@ -2,6 +2,7 @@
 
 use super::sweep::{BoundPack, Scratch, Sweep, Swept};
 use super::{Bound, SHARPNESS, SlabPoint, Validity, ValidityCheck};
+use crate::parallel::{self, Grain};
 use crate::{Mesh, NodeNumbering};
 use rayon::prelude::*;
 use tensor::Arch;
@@ -36,7 +37,7 @@ impl<const D: usize> MotionCheck<D> {
         let check = ValidityCheck::new(mesh.order(), times);
         let at_rest = ValidityCheck::<D>::new(mesh.order(), &[0.0]);
         let determinant = |cell| at_rest.determinant(mesh.cell_coordinates(cell), &at_rest.time_values);
-        let determinants: Vec<_> = (0..mesh.n_cells()).into_par_iter().map(determinant).collect();
+        let determinants = parallel::map(mesh.n_cells(), Grain::Any, &determinant);
         let relative = |cell| {
             let x = mesh.cell_coordinates(cell);
             (0..x.len()).map(move |k| x[k] - x[k % D])
@@ -66,12 +67,12 @@ impl<const D: usize> MotionCheck<D> {
         for (cell, bound) in open.iter().zip(self.bound(&open, displacements, true)) {
             bounds[*cell].lower = bounds[*cell].lower.max(bound.lower);
         }
-        let answer = |(cell, bound): (usize, &Bound<D>)| match bound {
-            bound if proved(bound) => Validity::Valid(*bound),
-            bound if refuted(bound) => Validity::Invalid(*bound),
+        let answer = |cell: usize| match bounds[cell] {
+            bound if proved(&bound) => Validity::Valid(bound),
+            bound if refuted(&bound) => Validity::Invalid(bound),
             _ => self.search(cell, displacements, smallest),
         };
-        bounds.par_iter().enumerate().map(answer).collect()
+        parallel::map(bounds.len(), Grain::Any, &answer)
     }
 
     /// The bounds of some cells.

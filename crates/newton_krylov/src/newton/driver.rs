@@ -21,8 +21,8 @@ const LITTLE_PROGRESS: f64 = 0.2;
 const SHORT_OF_LINEAR: f64 = 1.5;
 
 /// A solve in progress, between two steps.
-pub(super) struct Driver<'a, P: NonlinearProblem + ?Sized> {
-    problem: &'a mut P,
+pub(super) struct Driver<'a> {
+    problem: &'a mut dyn NonlinearProblem,
     settings: &'a Settings,
     workspace: &'a mut Workspace,
     tolerances: Tolerances,
@@ -61,10 +61,10 @@ enum Rejection {
     LineSearch(line_search::Error),
 }
 
-impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
+impl<'a> Driver<'a> {
     /// Evaluates R at the initial guess.
     pub(super) fn start(
-        problem: &'a mut P,
+        problem: &'a mut dyn NonlinearProblem,
         z: &[f64],
         references: Option<&[f64]>,
         settings: &'a Settings,
@@ -328,19 +328,19 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
 }
 
 /// |R| and |R_k| of each field.
-fn norms<P: NonlinearProblem + ?Sized>(problem: &P, residual: &[f64]) -> (f64, Vec<f64>) {
+fn norms(problem: &dyn NonlinearProblem, residual: &[f64]) -> (f64, Vec<f64>) {
     let inner_product = problem.inner_product();
     let fields = problem.fields().iter().map(|field| inner_product.norm_on(field.range.clone(), residual));
     (inner_product.norm(residual), fields.collect())
 }
 
 /// dR/dz + T at the point of linearisation, as a linear system.
-struct Linearised<'a, P: NonlinearProblem + ?Sized> {
-    problem: &'a mut P,
+struct Linearised<'a> {
+    problem: &'a mut dyn NonlinearProblem,
     damped: bool,
 }
 
-impl<P: NonlinearProblem + ?Sized> LinearSystem for Linearised<'_, P> {
+impl LinearSystem for Linearised<'_> {
     fn multiply(&mut self, x: &[f64], y: &mut [f64]) {
         self.problem.jacobian_product(x, y);
         if self.damped {

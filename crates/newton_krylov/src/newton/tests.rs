@@ -13,7 +13,7 @@ fn exact() -> Settings {
     settings
 }
 
-fn run<P: NonlinearProblem + ?Sized>(problem: &mut P, z: &mut [f64], settings: &Settings) -> Result<Report, Error> {
+fn run(problem: &mut dyn NonlinearProblem, z: &mut [f64], settings: &Settings) -> Result<Report, Error> {
     solve(problem, z, None, settings, &mut Workspace::default())
 }
 

@@ -1,5 +1,6 @@
 //! The motion of the mesh of a case.
 
+use super::driven_bodies::{MeshOfDrivenBodies, driven_bodies};
 use case::{Case, Motion, Stiffness, constrained};
 use coupled::{BoundaryDisplacement, BoundaryField, MeshMotion, MeshMover};
 use elasticity::{Accuracy, ElasticMesh, ElasticityError, Material, Partition, Solver, SolverOnBlocks, WallDistance};
@@ -19,6 +20,25 @@ const PRECONDITIONER_TOLERANCE: f64 = 1e-3;
 /// As [`ElasticMesh::new`].
 pub fn mover<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityError> {
     mover_of(case, all_blocks(case))
+}
+
+/// The mover of the mesh without the flow: driven bodies move, and what the flow moves rests.
+///
+/// # Errors
+/// As [`ElasticMesh::new`].
+pub fn mover_without_flow<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityError> {
+    let mut mover = mover(case)?;
+    match &mut mover.motion {
+        motion @ MeshMotion::Followed => *motion = MeshMotion::Prescribed(Arc::new(MeshOfDrivenBodies::new(case))),
+        MeshMotion::Elastic { boundary, .. } => {
+            for (field, nodes) in driven_bodies(case, &mover.numbering) {
+                nodes.into_iter().for_each(|node| boundary.field_of_node[node] = Some(boundary.fields.len()));
+                boundary.fields.push(field);
+            }
+        }
+        MeshMotion::Still | MeshMotion::Prescribed(_) => {}
+    }
+    Ok(mover)
 }
 
 /// All blocks of a case on one rank.

@@ -6,9 +6,6 @@ use basis::Rule;
 use mesh::{Mesh, NodeNumbering, Strip, clusters};
 use std::collections::BTreeMap;
 
-/// Points of a wall are behind each other if their x and y differ by less than this fraction of the diameter of the mesh.
-const TOLERANCE: f64 = 1e-9;
-
 /// The cross-section of a wall.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {
@@ -33,7 +30,7 @@ impl Section {
             let rows = (0..facets.len() * rule.points.len()).map(|row| vec![row]).collect();
             return Some(Section { curves: curves(mesh, numbering, &facets), rows, lengths: Vec::new() });
         }
-        let tolerance = TOLERANCE * mesh.diameter();
+        let tolerance = mesh.same_place();
         let strips: Option<Vec<Strip>> =
             facets.iter().map(|facet| mesh.strip(numbering, facet.side, &rule.points, tolerance)).collect();
         Some(Self::extruded(&strips?, rule, tolerance))

@@ -55,6 +55,7 @@ const DOUBTFUL: &[(&[&str], &str, &str)] = &[
     (&["flow.exact={uniform={velocity=[1,0],mach=0.2}}"], "exact solution", "`flow.initial`"),
     (&["flow.rotation={rate=0.5}"], "rotating frame", "`prescribed_state = { expression"),
     (&["solver.preconditioner=\"lines\""], "preconditioner", "\"blocks\""),
+    (&["flow.reference={speed=2}"], "reference state", "the far field `far` density 1, speed 1"),
     (&["output.every=1", "flow.order=16", "time.step=0.001"], "result file", "`output.every`"),
 ];
 
@@ -125,6 +126,20 @@ fn check_warns_of_doubtful_bodies() {
         assert_eq!(warns("elastic_piston.toml", &[released, "structure.initial={}", &left], "equilibrium"), is_unheld);
     }
     assert!(warns("cantilever.toml", &["structure.poisson_ratio=0.4999"], "Poisson's ratio"));
+    // A slab of 4 D / U with two nodes, springs with a wrong sign, and stops beside the start.
+    assert!(warns(cylinder, &["time.step=4"], "slab length") && !warns(cylinder, &[], "slab length"));
+    assert!(warns(cylinder, &["bodies.cylinder.y={spring=-1}"], "spring"));
+    let stops = |lower: f64| format!("bodies.cylinder.y={{spring=1,stops={{lower={lower},upper=2,stiffness=10}}}}");
+    assert!(warns(cylinder, &[&stops(1.0)], "stops") && !warns(cylinder, &[&stops(-1.0)], "stops"));
+    // The same stream stands at three places of this case.
+    assert!(warns(cylinder, &["flow.boundary.far.far_field.mach=0.05"], "opening") && !warns(cylinder, &[], "opening"));
+    assert!(warns(cylinder, &["flow.boundary.far.far_field.velocity=[2,0]"], "reference state"));
+    // A constant that no formula contains any more.
+    assert!(warns(cylinder, &["bodies.cylinder.y={spring=1}"], "constants") && !warns(cylinder, &[], "constants"));
+    let free = "structure.boundary={cylinder=\"fixed\"}";
+    let subject_of_pressure = "pressure on the structure";
+    assert!(warns("turek_hron_fsi3.toml", &[free], subject_of_pressure));
+    assert!(!warns("turek_hron_fsi3.toml", &[], subject_of_pressure));
     // These walls move along themselves.
     let beside = ["mesh.generate.box.periodic=[]", "flow.boundary.others=\"slip_wall\""];
     assert!(!warns("piston_free.toml", &beside, subject));

@@ -13,8 +13,8 @@ use tensor::dot;
 const FEW_NODES: f64 = 4.0;
 
 /// All of them.
-pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> [Option<Warning>; 3] {
-    [wall_beside_body(facts, flow), weightless(facts, flow), stiff_spring(facts)]
+pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> [Option<Warning>; 5] {
+    [wall_beside_body(facts, flow), weightless(facts, flow), stiff_spring(facts), negative(facts), beyond_stops(facts)]
 }
 
 /// A wall beside a body that follows it by weights changes its shape, or drags gas along.
@@ -53,12 +53,11 @@ fn stiff_spring<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
     if time.control.is_some() || time.end == time.start {
         return None;
     }
-    let all = facts.case.bodies.iter().flat_map(|body| body.freedoms.iter().map(move |freedom| (body, freedom)));
     let swings = |(body, freedom): &(&RigidBody<D>, &Freedom)| {
         let critical = 2.0 * (inertia(body, &freedom.direction) * freedom.spring).sqrt();
         freedom.motion.is_none() && freedom.spring > 0.0 && freedom.damping < critical
     };
-    let periods = all.filter(swings).map(|(body, freedom)| {
+    let periods = coordinates(facts).filter(swings).map(|(body, freedom)| {
         (TAU * (inertia(body, &freedom.direction) / freedom.spring).sqrt(), &body.name, freedom.name)
     });
     let (period, body, coordinate) = periods.min_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -72,6 +71,38 @@ fn stiff_spring<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
         period * time.order as f64 / NODES_PER_PERIOD
     );
     warning("spring", text)
+}
+
+/// A spring or a damper that drives the body.
+fn negative<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
+    let (body, freedom) = coordinates(facts).find(|(_, freedom)| freedom.spring < 0.0 || freedom.damping < 0.0)?;
+    let (key, value) = if freedom.spring < 0.0 { ("spring", freedom.spring) } else { ("damping", freedom.damping) };
+    let text = format!(
+        "`bodies.{}.{}.{key}` is {value}: it drives the body away; a positive number, if that is not meant",
+        body.name, freedom.name
+    );
+    warning("spring", text)
+}
+
+/// Stops between which the body does not start.
+fn beyond_stops<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
+    let start =
+        |freedom: &Freedom| freedom.motion.as_ref().map_or(0.0, |motion| motion.evaluate(&[], facts.case.time.start));
+    let is_beyond =
+        |freedom: &Freedom| freedom.stops.is_some_and(|stops| !(stops.lower..=stops.upper).contains(&start(freedom)));
+    let (body, freedom) = coordinates(facts).find(|(_, freedom)| is_beyond(freedom))?;
+    let text = format!(
+        "`bodies.{}.{}` starts at {}, beyond its stops, which push at once: `stops` around the start",
+        body.name,
+        freedom.name,
+        start(freedom)
+    );
+    warning("stops", text)
+}
+
+/// The coordinates of all bodies.
+fn coordinates<'a, const D: usize>(facts: &'a Facts<'_, D>) -> impl Iterator<Item = (&'a RigidBody<D>, &'a Freedom)> {
+    facts.case.bodies.iter().flat_map(|body| body.freedoms.iter().map(move |freedom| (body, freedom)))
 }
 
 /// The mass, or the moment of inertia about the axis through the pivot.

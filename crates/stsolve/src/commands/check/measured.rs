@@ -36,6 +36,13 @@ pub(super) fn mesh_not_moved<const D: usize>(case: &Case<D>, probe: Probe) -> Op
     (case.motion.is_some() && probe == Probe::Auto).then_some(table)
 }
 
+/// What stands for the table of a mesh that nothing but the flow moves.
+pub(super) fn mesh_moved_by_flow() -> Table {
+    let mut table = Table::new("mesh over the run");
+    table.row("not computed", "only the flow moves it: `stsolve run`", "");
+    table
+}
+
 /// Whether a flow with this number of unknowns is timed.
 pub(super) fn times_flow<const D: usize>(unknowns: usize, probe: Probe) -> bool {
     chosen(probe, unknowns <= CHEAP_FLOW[D - 2])
@@ -72,11 +79,11 @@ pub(super) fn timing_table<const D: usize>(case: &Case<D>, timing: &Timing) -> T
     table
 }
 
-/// The proved bounds of the mesh over the run, in which bodies rest if there are `bodies`.
-pub(super) fn mesh_table(mesh: &MeshOverRun, bodies: bool) -> Table {
+/// The proved bounds of the mesh over the run. What the flow moves rests in them.
+pub(super) fn mesh_table(mesh: &MeshOverRun, moved_by_flow: bool) -> Table {
     let quality = &mesh.quality;
     let mut table = Table::new("mesh over the run");
-    let proved = if bodies { "or more, proved while bodies rest" } else { "or more, proved" };
+    let proved = if moved_by_flow { "or more, proved while all that the flow moves rests" } else { "or more, proved" };
     table
         .row("det J / det J_0", quality.lower_bound, proved)
         .row("smallest met", quality.sampled_min, "")

@@ -166,6 +166,9 @@ where
     if !measured::moves_mesh(case, probe) {
         return measured::mesh_not_moved(case, probe);
     }
+    if case.is_moved_by_flow() && case.prescribed_nodes().is_empty() {
+        return Some(measured::mesh_moved_by_flow());
+    }
     let over_run = match case.move_over_run() {
         Ok(over_run) => over_run?,
         Err(error) => {
@@ -181,7 +184,7 @@ where
         );
         warnings.push(Warning { subject: "mesh", text });
     }
-    Some(measured::mesh_table(&over_run, !case.bodies.is_empty()))
+    Some(measured::mesh_table(&over_run, case.is_moved_by_flow()))
 }
 
 /// Times the parts of a slab, if requested.

@@ -4,15 +4,18 @@ use super::Facts;
 use super::warnings::{Warning, warning};
 use case::Observed;
 
-/// Lines and planes without a mesh, averages of less than a period or after the end, and controls without effect.
+/// Lines and planes without a mesh, averages of less than a period or after the end, and controls and names without effect.
 pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
-    [lines(facts), slices(facts), averages(facts), phases(facts), controls(facts)].into_iter().flatten().collect()
+    [lines(facts), slices(facts), averages(facts), phases(facts), controls(facts), unused_names(facts)]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// Lines whose points all lie outside the mesh at rest. A mesh that moves may come there.
 fn lines<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
     let Observed { lines, .. } = &facts.case.observed;
-    let outside = names(lines.iter().filter(|line| !line.meets(&facts.case.mesh)).map(|line| line.name.as_str()))?;
+    let outside = listed(lines.iter().filter(|line| !line.meets(&facts.case.mesh)).map(|line| line.name.as_str()))?;
     let until = if facts.case.motion.is_some() { ", until it comes there" } else { "" };
     let text = format!(
         "no point of {outside} lies in the mesh at rest: all values are NaN{until}; `from` and `to` of `output.lines` in the mesh"
@@ -22,7 +25,8 @@ fn lines<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
 
 fn slices<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
     let Observed { slices, .. } = &facts.case.observed;
-    let outside = names(slices.iter().filter(|slice| !slice.meets(&facts.case.mesh)).map(|slice| slice.name.as_str()))?;
+    let outside =
+        listed(slices.iter().filter(|slice| !slice.meets(&facts.case.mesh)).map(|slice| slice.name.as_str()))?;
     let text = format!(
         "the plane of {outside} does not cut the mesh at rest: its files are empty; `point` and `normal` of `output.slices` in the units of the mesh"
     );
@@ -30,7 +34,7 @@ fn slices<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
 }
 
 /// The names as a list; None if there are none.
-fn names<'a>(names: impl Iterator<Item = &'a str>) -> Option<String> {
+fn listed<'a>(names: impl Iterator<Item = &'a str>) -> Option<String> {
     let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
     (!names.is_empty()).then(|| names.join(", "))
 }
@@ -38,11 +42,17 @@ fn names<'a>(names: impl Iterator<Item = &'a str>) -> Option<String> {
 /// Controls that change nothing.
 fn controls<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
     let unused = facts.case.controls.iter().filter(|control| !control.is_used);
-    let unused = names(unused.map(|control| control.name.as_str()))?;
+    let unused = listed(unused.map(|control| control.name.as_str()))?;
     let text = format!(
         "no formula contains {unused}: it has no effect; its name in a formula of `flow.source` or `flow.boundary`"
     );
     warning("controls", text)
+}
+
+/// Constants and tables that change nothing: perhaps a name is misspelt.
+fn unused_names<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
+    let unused = listed(facts.case.about.unused.iter().map(String::as_str))?;
+    warning("constants", format!("no formula contains {unused}: another spelling, or a formula with this name"))
 }
 
 /// Averages that begin after the end.

@@ -116,7 +116,7 @@ pub(super) fn times_of_quadrature<const D: usize>(
     warning("quadrature in time", text.to_owned())
 }
 
-/// Whether walls do more than translate: bodies that rotate, or nodes with different ways.
+/// Whether walls do more than translate: structures, bodies that rotate, or nodes with different ways.
 fn turns<const D: usize>(case: &Case<D>, walls: &[PrescribedNode<D>]) -> bool {
     let differs = |t: f64| {
         let way = |(node, x, field): &PrescribedNode<D>| field.displacement(*node, x, t);
@@ -127,7 +127,7 @@ fn turns<const D: usize>(case: &Case<D>, walls: &[PrescribedNode<D>]) -> bool {
     };
     let (start, end) = (case.time.start, case.time.end);
     let times = (1..=TIMES_OF_MOTION).map(|k| start + (end - start) * k as f64 / TIMES_OF_MOTION as f64);
-    case.bodies.iter().any(RigidBody::rotates) || times.into_iter().any(differs)
+    case.structure.is_some() || case.bodies.iter().any(RigidBody::rotates) || times.into_iter().any(differs)
 }
 
 /// A periodic motion with too few nodes in time.
@@ -143,6 +143,23 @@ pub(super) fn slab_length<const D: usize>(facts: &Facts<'_, D>) -> Option<Warnin
     let text = format!(
         "a period of the motion, about {period:.2e}, has {nodes:.1} nodes in time, fewer than {NODES_PER_PERIOD}: `time.step` of {step:.2e} \
          or less, or a higher `time.order`"
+    );
+    warning("slab length", text)
+}
+
+/// Slabs in which the flow passes its length more often than they have nodes in time.
+pub(super) fn passages<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
+    let (case, time) = (facts.case, &facts.case.time);
+    let longest = time.order as f64 * flow.time_unit();
+    // A steady start makes slabs of its own, and slabs that adapt find their length.
+    if time.step <= longest || case.solver.steady.is_some() || time.control.is_some() {
+        return None;
+    }
+    let text = format!(
+        "in a slab the flow passes {:.1} times its length, {:.3e}, with {} nodes in time: `time.step` of {longest:.2e} or less to see how it changes",
+        time.step / flow.time_unit(),
+        flow.time_length,
+        time.order
     );
     warning("slab length", text)
 }

@@ -9,6 +9,9 @@ use tensor::norm;
 /// The initial state differs from the far field by more than this, in parts of the density, the speed or the pressure outside.
 const UNLIKE: f64 = 1e-2;
 
+/// The reference state differs from the far field by more than this, in parts of the density, the speed or the pressure there.
+const OTHER_SCALE: f64 = 0.05;
+
 /// The sine of the least angle between drag and the far field that causes a warning: 0.06 degrees.
 const TURNED: f64 = 1e-3;
 
@@ -55,6 +58,28 @@ pub(super) fn unlike<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Op
         described(&outside, gas)
     );
     warning("free stream", text)
+}
+
+/// A reference state that is not that of the stream: coefficients and numbers of the flow then refer to another one.
+pub(super) fn unlike_reference<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
+    let (law, (name, outside)) = (&flow.law, far_fields(facts, flow).next()?);
+    let speed = norm(&outside.velocity);
+    let reference = [law.reference.density(), flow.reference_speed, law.reference.pressure(&law.gas)];
+    let outside = [outside.density, speed, outside.pressure];
+    let differs = |(a, b): (&f64, &f64)| (a - b).abs() > OTHER_SCALE * b;
+    // Where the gas rests far away, walls give the scale of speed.
+    if speed == 0.0 || !reference.iter().zip(&outside).any(differs) {
+        return None;
+    }
+    let list =
+        |[density, speed, pressure]: [f64; 3]| format!("density {density}, speed {speed}, pressure {pressure:.5}");
+    let text = format!(
+        "`flow.reference` has {}, and the far field `{name}` {}: force coefficients, the Reynolds number and the Mach number refer to the first; one \
+         state for both if that is not meant",
+        list(reference),
+        list(outside)
+    );
+    warning("reference state", text)
 }
 
 fn far_fields<'a, const D: usize>(

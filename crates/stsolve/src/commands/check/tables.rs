@@ -1,5 +1,6 @@
 //! Figures of a case without trial computations.
 
+use super::super::quality::least_orthogonal;
 use super::super::table::Table;
 use super::{Facts, blocks, outputs};
 use case::{About, Analysis, Case, Flow, Motion, Plane, Preconditioner, Structure, StructureLaw, Support};
@@ -32,6 +33,7 @@ fn about(about: &About) -> Table {
 
 fn mesh_table<const D: usize>(facts: &Facts<'_, D>) -> Table {
     let (mesh, (cell, scaled_jacobian)) = (&facts.case.mesh, facts.most_distorted);
+    let (sheared, orthogonality) = least_orthogonal(mesh);
     let mut table = Table::new("mesh");
     table
         .row("dimension", D, "")
@@ -40,8 +42,10 @@ fn mesh_table<const D: usize>(facts: &Facts<'_, D>) -> Table {
         .row("volume", mesh.volume(), "")
         .row("smallest cell", facts.smallest_size, "")
         .row("largest aspect ratio", largest_aspect_ratio(mesh), "")
-        .row("smallest scaled Jacobian", scaled_jacobian, "1 is undistorted, 0 degenerate")
+        .row("smallest scaled Jacobian", scaled_jacobian, "1: det J is constant, 0: degenerate")
         .row("most distorted cell", cell, "")
+        .row("smallest orthogonality", orthogonality, "1 is rectangular, 0 flat")
+        .row("least orthogonal cell", sheared, "")
         .row("boundaries", mesh.boundary_names().to_vec(), "");
     for region in mesh.regions() {
         table.row(&format!("region {}", region.name), region.cells.len(), "cells");

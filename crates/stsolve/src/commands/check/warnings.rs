@@ -1,11 +1,13 @@
 //! Choices of a case that are allowed, but likely wrong.
 
 use super::Facts;
-use super::resolution::{free_flow, layer, longest_slab, poor_cells, quadrature, slab_length, times_of_quadrature};
+use super::resolution::{
+    free_flow, layer, longest_slab, passages, poor_cells, quadrature, slab_length, times_of_quadrature,
+};
 use super::scales::{MotionScales, on_walls, speed_at_start};
 use super::{bodies, gas, streams};
 use case::expression::Overshoot;
-use case::{Flow, Motion, Preconditioner};
+use case::{Flow, Largest, Motion, Preconditioner, Support};
 use elasticity::NEARLY_INCOMPRESSIBLE;
 use navier_stokes::Riemann;
 use simulation::{PrescribedNode, jump_of_centrifugal_force, speed_of_bodies_at_start, unheld_in_equilibrium};
@@ -62,6 +64,7 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
             streams::exact(flow),
             streams::rotating_frame(facts, flow),
             streams::unlike(facts, flow),
+            streams::unlike_reference(facts, flow),
             streams::drag_direction(facts, flow),
             jump_of_centrifugal_force(facts.case).and_then(|text| warning("rotating frame", text)),
             far_field(facts, flow),
@@ -73,12 +76,14 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
             gas::sutherland(flow),
             gas::gamma(flow),
             gas::wall_temperature(facts, flow),
+            unbalanced_pressure(facts, flow),
             unheld_in_equilibrium(facts.case).and_then(|text| warning("equilibrium", text)),
             fast_walls(facts, flow, &walls),
         ];
         let of_resolution = [
             quadrature(facts, flow),
             times_of_quadrature(facts, flow, &walls),
+            passages(facts, flow),
             layer(facts, flow),
             free_flow(facts, flow),
             mach(flow),
@@ -97,6 +102,9 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
     ];
     of_all.into_iter().chain(of_flow.into_iter().flatten()).flatten().collect()
 }
+
+/// A pressure at rest above this part of Young's modulus deforms a structure visibly.
+const COMPRESSED: f64 = 1e-3;
 
 pub(super) fn warning(subject: &'static str, text: String) -> Option<Warning> {
     Some(Warning { subject, text })
@@ -135,7 +143,7 @@ fn far_field<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<War
         return None;
     }
     let text = format!(
-        "{distance:.2} reference lengths from the walls: forces will feel it; a larger mesh (`far_field` of a generator), {FAR} or more, or \
+        "{distance:.2} reference lengths from the walls: forces will feel it; a larger mesh (`far_field` or `outer_radius` of a generator), {FAR} or more, or \
          `flow.reference.length` if that is not the size of the body"
     );
     warning("far field", text)
@@ -239,6 +247,23 @@ fn incompressible<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
          fail; {NEARLY_INCOMPRESSIBLE} or less, or a mesh of order 6 or more"
     );
     warning("Poisson's ratio", text)
+}
+
+/// A structure that the pressure of the gas at rest compresses at once.
+fn unbalanced_pressure<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
+    let structure = facts.case.structure.as_ref()?;
+    let part = structure.part.as_ref()?;
+    let Largest { shear_modulus, poisson_ratio, .. } = structure.largest;
+    let strain = flow.reference_pressure() / (2.0 * shear_modulus * (1.0 + poisson_ratio));
+    let is_balanced = |wall: &usize| structure.boundary[*wall] != Support::Free;
+    if strain <= COMPRESSED || part.wet.iter().all(is_balanced) {
+        return None;
+    }
+    let text = format!(
+        "the pressure of the gas at rest is {strain:.1e} of Young's modulus, and compresses the structure at once: a load on its walls to the flow \
+         that balances it, `structure.boundary.NAME = {{ follower_pressure = \"-pressure\" }}`, if that is not meant"
+    );
+    warning("pressure on the structure", text)
 }
 
 fn file_size<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {

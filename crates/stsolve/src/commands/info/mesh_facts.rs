@@ -1,5 +1,6 @@
 //! Facts about the mesh of a file, as tables and as JSON.
 
+use crate::commands::quality::least_orthogonal;
 use crate::commands::table::Table;
 use mesh::Mesh;
 use serde_json::{Map, Value, json};
@@ -18,6 +19,8 @@ pub(super) struct MeshFacts {
     /// The cell with the largest aspect ratio, and that ratio.
     aspect_ratio: (usize, f64),
     scaled_jacobian: f64,
+    /// The least orthogonal cell, and its orthogonality.
+    orthogonality: (usize, f64),
     boundaries: Counts,
     regions: Counts,
     /// Boundaries between regions.
@@ -37,6 +40,7 @@ impl MeshFacts {
             volume: mesh.volume(),
             aspect_ratio: largest((0..mesh.n_cells()).map(|cell| mesh.aspect_ratio(cell))),
             scaled_jacobian: mesh.smallest_scaled_jacobian().1,
+            orthogonality: least_orthogonal(mesh),
             boundaries: boundaries(mesh),
             regions: mesh.regions().iter().map(|region| (region.name.clone(), region.cells.len())).collect(),
             interfaces: mesh.interfaces().iter().map(|(name, sides)| (name.clone(), sides.len())).collect(),
@@ -64,6 +68,8 @@ impl MeshFacts {
             .row("largest aspect ratio", aspect_ratio, "")
             .row("  in cell", cell, "")
             .row("smallest scaled Jacobian", self.scaled_jacobian, "sampled")
+            .row("smallest orthogonality", self.orthogonality.1, "1 is rectangular, 0 flat")
+            .row("  in cell", self.orthogonality.0, "")
             // Every mesh that was read is valid.
             .row("valid", "yes", "det J > 0 is proved in every cell");
         shape
@@ -83,7 +89,8 @@ impl MeshFacts {
         let mesh = json!({
             "dimension": self.dimension, "cells": self.cells, "order": self.order, "volume": self.volume,
             "largest aspect ratio": aspect_ratio, "cell with the largest aspect ratio": cell,
-            "smallest scaled Jacobian": self.scaled_jacobian, "valid": true,
+            "smallest scaled Jacobian": self.scaled_jacobian, "smallest orthogonality": self.orthogonality.1,
+            "least orthogonal cell": self.orthogonality.0, "valid": true,
         });
         let pair =
             |(names, translation): &([String; 2], Vec<f64>)| json!({ "boundaries": names, "translation": translation });

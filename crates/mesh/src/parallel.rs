@@ -1,12 +1,13 @@
 //! Loops in parallel over cells, batches and facets.
 //!
-//! The work is a `dyn Fn`. A loop of rayon is compiled for a kind of data, and not anew for every caller: their many copies were a sixth of the
-//! code. Results do not depend on how the loop is divided among threads.
+//! The work is a `dyn Fn`, and [`map`] has one loop of rayon for all kinds of results: the copies for every caller were a sixth of the code. Results
+//! do not depend on how the loop is divided among threads.
 //!
-//! Residuals and their products have loops of their own (`operator::evaluation`, `traces`, `mesh_traces`): here they took 6 to 10 % longer, because
+//! Residuals and their products of `fem` have loops of their own (`operator::evaluation`, `traces`, `mesh_traces`): here they took 6 to 10 % longer, because
 //! less was inlined.
 
 use rayon::prelude::*;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// How many iterations of a loop a task takes.
 #[derive(Clone, Copy)]
@@ -37,7 +38,15 @@ pub fn for_each(count: usize, grain: Grain, work: &(dyn Fn(usize) + Sync)) {
 
 /// The `value` of every number below `count`, in order.
 pub fn map<R: Send>(count: usize, grain: Grain, value: &(dyn Fn(usize) -> R + Sync)) -> Vec<R> {
-    grain.limit((0..count).into_par_iter()).map(value).collect()
+    let results: Vec<Mutex<Option<R>>> = (0..count).map(|_| Mutex::new(None)).collect();
+    for_each(count, grain, &|number| *locked(&results[number]) = Some(value(number)));
+    let taken = |result: Mutex<Option<R>>| result.into_inner().unwrap_or_else(PoisonError::into_inner);
+    results.into_iter().filter_map(taken).collect()
+}
+
+/// What no other task uses.
+fn locked<T>(alone: &Mutex<T>) -> MutexGuard<'_, T> {
+    alone.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Calls `work` with the number of every chunk of `len` values, and the chunk. The last one may be shorter.
@@ -65,7 +74,8 @@ pub fn map_chunks<T: Send, R: Send>(
     len: usize,
     work: &(dyn Fn(usize, &mut [T]) -> R + Sync),
 ) -> Vec<R> {
-    values.par_chunks_mut(len).enumerate().map(|(number, chunk)| work(number, chunk)).collect()
+    let chunks: Vec<Mutex<&mut [T]>> = values.chunks_mut(len).map(Mutex::new).collect();
+    map(chunks.len(), Grain::Any, &|number| work(number, &mut locked(&chunks[number])))
 }
 
 #[cfg(test)]
