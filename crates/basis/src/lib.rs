@@ -14,6 +14,7 @@
 //! | `temporal_modes` | eigenvectors of its time matrix |
 //! | `sum_factorisation` | one matrix along one axis of a tensor, in SIMD lanes |
 //! | `tensor_product` | one matrix along each axis |
+//! | `matrix` | small dense matrices |
 //!
 //! Four Gauss-Lobatto nodes interpolate and differentiate a cubic polynomial exactly, and integrate degree 5:
 //!

@@ -12,7 +12,8 @@
 //! | `document`, `tree` | the TOML document with places; `--set`; changes of its tables |
 //! | `brackets` | unclosed brackets in it |
 //! | `key` | the path of a key, `flow.boundary.left` |
-//! | `error` | errors and their places |
+//! | `error`, `cause` | errors, their places and their causes |
+//! | `checker`, `choices` | checks that name the key of an error; what the schema offers at a key |
 //! | `magnitude` | which numbers the program can compute with |
 //! | `continuation`, `continued_tables` | conditions for continuing the run of another case; longer tables |
 //! | `checked` | the checked case; no other code uses the keys, `case_keys` |

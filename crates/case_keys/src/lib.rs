@@ -49,8 +49,8 @@ use std::collections::BTreeMap;
 ///
 /// Units are any consistent system. Vectors have one entry per axis, two or three, as many as the mesh has axes.
 /// A formula is a number or a text such as "0.1*sin(pi*t/4)". It may contain x, y, z, t, pi, the constants and the tables of
-/// the case. Its operators are + - * / ^ (or **), comparisons and if(condition, a, b). Its functions are min and max of two numbers, abs, sqrt, exp,
-/// log (the natural one), sin, cos, tan, asin, acos, atan, atan2(y, x), tanh, sinh, cosh and floor. deg(a) is the angle of a degrees, in radians. Wherever a number is needed, a formula of
+/// the case. Its operators are + - * / ^ (or **), comparisons and if(condition, a, b). Functions of two numbers are min, max and atan2(y, x). Functions of one
+/// number are abs, sqrt, exp, log (the natural one), sin, cos, tan, asin, acos, atan, tanh, sinh, cosh and floor. deg(a) is the angle of a degrees, in radians. Wherever a number is needed, a formula of
 /// constants may stand in quotes: `velocity = ["cos(deg(5))", "sin(deg(5))"]`, `end = "10*period"`, `slabs = "40*periods"`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -49,6 +49,7 @@
 //! | `condition` | boundary conditions, and periodic interfaces, which become boundaries |
 //! | `faces` | faces of elements, outer faces |
 //! | `join` | zones with common vertices |
+//! | `error` | errors of files |
 
 mod base;
 mod condition;

@@ -23,6 +23,7 @@
 //! | `nonlinear` | the one nonlinear problem, for meshes and structures |
 //! | `structure` | a body with mass, loads and supports |
 //! | `mass`, `loads` | the mass matrix; body force and traction |
+//! | `cauchy` | the stress of a body in its current shape |
 //! | `solid` | the material of a structure, point by point |
 //! | `structure_slab` | the equations of a structure in a time slab |
 //! | `modal` | their systems, by temporal modes, with the mass of a fluid |
@@ -30,7 +31,8 @@
 //! | `large_displacement` | Newton's method for laws that are not linear |
 //! | `dynamics`, `statics` | the motion of a structure, with and without inertia |
 //! | `shifted` | systems with K + m M, real and complex |
-//! | `modes` | natural frequencies and shapes |
+//! | `modes`, `ritz` | natural frequencies and shapes, by the method of Rayleigh and Ritz |
+//! | `pool`, `errors` | work space that outlives a call; errors |
 //!
 //! Invariants: this crate contains no fluid and no source of the boundary motion. Results have the same bits for any number of
 //! threads. After a first call [`ElasticMesh::apply`] and [`ElasticSlab::residual`] allocate nothing.

@@ -3,26 +3,27 @@
 //! | module | holds |
 //! |---|---|
 //! | `conservation_law` | the interface of a physics to the kernels |
-//! | `field` | prescribed functions of position and time |
-//! | `layout` | the layout of unknowns |
+//! | `field`, `prescribed` | prescribed functions of position and time, and their values in packs |
+//! | `layout`, `time_points` | the layout of unknowns; the times of a slab at which kernels evaluate |
 //! | `tables` | one-dimensional matrices, quadrature that conserves |
 //! | `tensor_product` | values and gradients at points, and their transposes |
-//! | `mode` | the choice of derivatives |
+//! | `mode`, `counted_mode` | the choice of derivatives; the same with numbers that count operations |
 //! | `cell`, `volume_terms`, `facet`, `facet_evaluation`, `slope`, `boundary`, `point` | the kernels |
 //! | `cell_geometry`, `facet_geometry`, `slab_geometry`, `fields` | the geometry at the points, and where it is kept |
 //! | `collocation`, `nodal_geometry`, `facet_area` | the metric of collocated rules |
 //! | `artificial_viscosity`, `entropy_viscosity` | artificial viscosities: of shocks, of cells that would lose entropy |
 //! | `split_form` | inviscid volume terms of collocated rules with two-point fluxes |
-//! | `scratch`, `gather` | their packs, and the copies from and to vectors |
+//! | `scratch`, `per_thread`, `gather` | their packs, one piece of them per thread, and the copies from and to vectors |
+//! | `violation`, `work` | where a state is inadmissible; the number of operations |
 //! | `kernels` | the kernels of a law behind one object |
-//! | `traces`, `batches`, `moving_mesh` | cells, facets and the mesh in packs |
+//! | `traces`, `mesh_traces`, `batches`, `moving_mesh` | cells, facets and the mesh in packs |
 //! | `nodal_batches` | C0 fields in packs of cells, and their sum in a fixed order |
 //! | `share` | the cells of a rank, and what ranks exchange |
 //! | `operator` | the residual of a slab and its derivatives |
 //! | `boundary_flux` | fluxes through boundaries: forces, power |
 //! | `wall_loads` | nodal forces on walls that respond to the flow |
 //! | `sampler` | values in cells on any grid of points: output, errors |
-//! | `linearisation` | blocks of the Jacobian of space, for preconditioners |
+//! | `linearisation`, `space_jacobian`, `line_jacobian` | blocks of the Jacobian of space, for preconditioners |
 //! | `low_order`, `sub_cells`, `two_point` | the operator of space on the control volumes of the nodes, for preconditioners |
 //!
 //! The values and the gradient of x y on a sheared cell of order 2, from the coefficients at the nine nodes of order 3:

@@ -13,17 +13,20 @@
 //! | `subset` | some cells of a mesh, for a rank that works on these alone |
 //! | `topology` | facets from vertex numbers and names |
 //! | `periodic` | boundaries that are translates of each other |
-//! | `scramble` | the same mesh with turned reference cells, for tests of orientation |
+//! | `scramble`, `random` | the same mesh with turned reference cells, for tests of orientation; reproducible random numbers |
 //! | `numbering` | C0 numbering of nodes |
 //! | `geometry` | x(xi), its Jacobian, volumes |
 //! | `distance` | distances to curved boundaries |
 //! | `arcs` | arc lengths along closed curves and walls that are extruded ones |
 //! | `boundary` | normals at the nodes of a boundary |
 //! | `blocks` | the partition into blocks |
+//! | `cross_section` | cells that lie behind each other along some axes |
+//! | `lattice` | arrays over tensor-product lattices |
 //! | `parallel` | loops in parallel |
 //! | `locate` | the cell that contains a point |
 //! | `validity` | lower bounds of det J over a cell and a slab |
 //! | `generate` | meshes made from a few numbers |
+//! | `errors` | errors of meshes |
 //! | `gmsh` | meshes from files of Gmsh and SU2, and from lists of nodes and elements |
 //!
 //! An annulus of curved cells. Its area is exact to the error of the interpolated circles, and each cell is proved to be valid:

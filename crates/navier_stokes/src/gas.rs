@@ -112,11 +112,6 @@ impl Gas {
     pub fn entropy(&self, density: f64, pressure: f64) -> f64 {
         pressure.ln() - self.gamma * density.ln()
     }
-    /// H = E + p / rho.
-    #[inline(always)]
-    pub fn total_enthalpy<T: Real, const D: usize>(&self, u: &Conserved<T, D>, pressure: T) -> T {
-        (u.energy + pressure) / u.density
-    }
     /// mu(T).
     #[inline(always)]
     pub fn dynamic_viscosity<T: Real>(&self, temperature: T) -> T {
@@ -128,10 +123,5 @@ impl Gas {
                 ratio * ratio.sqrt() * (viscosity * (t_0 + s)) / (temperature + s)
             }
         }
-    }
-    /// kappa(T) = mu(T) c_p / Pr.
-    #[inline(always)]
-    pub fn conductivity<T: Real>(&self, temperature: T) -> T {
-        self.dynamic_viscosity(temperature) * (self.heat_capacity() / self.prandtl)
     }
 }

@@ -1,6 +1,7 @@
 //! Groups of history columns that share a chart.
 
 use super::html::capitalised;
+use tensor::AXES;
 
 /// The scale of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -123,7 +124,7 @@ fn title_and_label(column: &str, boundaries: &[String]) -> (String, String) {
 /// A name without the axis or number at its end.
 fn without_axis(name: &str) -> &str {
     match name.rsplit_once('_') {
-        Some((stem, end)) if ["x", "y", "z"].contains(&end) || end.parse::<usize>().is_ok() => stem,
+        Some((stem, end)) if AXES.contains(&end) || end.parse::<usize>().is_ok() => stem,
         _ => name,
     }
 }

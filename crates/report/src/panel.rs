@@ -5,11 +5,9 @@ use super::document::fill;
 use super::html::{escaped, texts_on_scale, with_digits};
 use super::pictures::{ColourMap, Cut, Encoded, PictureQuantity, Pictures, Range, Window, css};
 use serde_json::{Value, json};
+use tensor::AXES;
 
 const TEMPLATE: &str = include_str!("pictures.html");
-
-/// The names of the axes.
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The choices above the pictures, the pictures, the legend, and their description.
 pub fn html(pictures: &Pictures) -> String {

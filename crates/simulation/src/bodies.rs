@@ -13,7 +13,7 @@ use fem::SlabOperator;
 use mesh::{Mesh, NodeNumbering};
 use std::f64::consts::{FRAC_PI_4, FRAC_PI_8};
 use std::sync::Arc;
-use tensor::Dual;
+use tensor::{AXES, Dual};
 
 /// The name of a structure among bodies.
 pub const STRUCTURE: &str = "structure";
@@ -249,8 +249,7 @@ pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
 /// The reactions of the supports of a structure in a case whose flow or structure has the mesh `other`.
 pub fn reaction_names<const D: usize>(structure: &Structure<D>, other: &Mesh<D>) -> Vec<String> {
     let names = structure.mesh(other).boundary_names();
-    let name =
-        |(boundary, component): (usize, usize)| format!("{}_reaction_{}", names[boundary], ["x", "y", "z"][component]);
+    let name = |(boundary, component): (usize, usize)| format!("{}_reaction_{}", names[boundary], AXES[component]);
     supported(&structure.boundary).map(name).collect()
 }
 
@@ -265,7 +264,7 @@ fn of_body(name: &str, coordinates: Vec<String>, potential_energy: &str) -> impl
 
 /// The displacements of the observed points of a structure.
 pub fn point_names<const D: usize>(structure: &Structure<D>) -> Vec<String> {
-    let of_point = |name: &String| ["x", "y", "z"][..D].iter().map(|axis| format!("{name}_{axis}")).collect::<Vec<_>>();
+    let of_point = |name: &String| AXES[..D].iter().map(|axis| format!("{name}_{axis}")).collect::<Vec<_>>();
     structure.points.iter().flat_map(|(name, _)| of_point(name)).collect()
 }
 

@@ -8,7 +8,7 @@ use coupled::block::BodyState;
 use coupled::blocks::rigid_body::{Freedom as Direction, Vec3};
 use coupled::rounded_time;
 use navier_stokes::Viscosity;
-use tensor::{dot, norm};
+use tensor::{AXES, dot, norm};
 
 /// A wall that follows a body by more than this part of its motion changes its shape, if it moves across itself, or drags gas along.
 const FOLLOWS: f64 = 1e-3;
@@ -141,5 +141,5 @@ pub fn unheld<const D: usize>(case: &Case<D>) -> Option<[String; 2]> {
 /// The first axis along which no boundary of `structure` is held.
 fn unheld_axis<const D: usize>(structure: &Structure<D>) -> Option<&'static str> {
     let is_held = |axis: usize| structure.boundary.iter().any(|support| support.fixes()[axis]);
-    ["x", "y", "z"].into_iter().take(D).enumerate().find(|(axis, _)| !is_held(*axis)).map(|(_, name)| name)
+    AXES.into_iter().take(D).enumerate().find(|(axis, _)| !is_held(*axis)).map(|(_, name)| name)
 }

@@ -153,7 +153,7 @@ fn reopen_short_slab(state: &mut State, time: &Time) {
     if time.control.is_some() {
         return;
     }
-    let tolerance = 1e-9 * time.step;
+    let tolerance = time.round_off();
     for part in &mut state.pending {
         part.end = part.end.min(time.end);
     }

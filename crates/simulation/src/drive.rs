@@ -119,14 +119,14 @@ pub(super) struct Call<'a> {
 }
 
 /// Drives `run` from its start or its checkpoint to its end.
-pub(super) fn drive<const D: usize, const M: usize, R: Run>(
+pub(super) fn drive<const D: usize, const M: usize>(
     case: &Case<D>,
-    run: R,
+    run: &mut dyn Run,
     mesh: &Arc<MeshView<D>>,
     call: Call<'_>,
 ) -> Result<Summary, Failure> {
     let session = Session::start(call.destination, call.observer, call.begun)?;
-    session.timed(|| drive_in::<D, M, R>(&session, case, run, mesh, call))
+    session.timed(|| drive_in::<D, M>(&session, case, run, mesh, call))
 }
 
 /// [`drive`] in its session:
@@ -135,24 +135,24 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
 /// 2. Record the start.
 /// 3. March.
 /// 4. Write the last state, and give the verdict.
-fn drive_in<const D: usize, const M: usize, R: Run>(
+fn drive_in<const D: usize, const M: usize>(
     session: &Session<'_>,
     case: &Case<D>,
-    mut run: R,
+    run: &mut dyn Run,
     mesh: &Arc<MeshView<D>>,
     call: Call<'_>,
 ) -> Result<Summary, Failure> {
-    let Prepared { mut recorder, mut context, has_begun } = prepare::<D, M, R>(session, case, &mut run, mesh, call)?;
+    let Prepared { mut recorder, mut context, has_begun } = prepare::<D, M>(session, case, run, mesh, call)?;
     let stop = match has_begun {
-        false => begin(&mut run, &mut recorder, &mut context, session.directory.path())?,
+        false => begin(run, &mut recorder, &mut context, session.directory.path())?,
         true => None,
     };
     let stop = match stop {
-        None => run_slabs(case, &mut run, &mut recorder, &mut context, session)?,
+        None => run_slabs(case, run, &mut recorder, &mut context, session)?,
         stop => stop,
     };
-    let summary = close(&mut run, &mut recorder, &context, session, stop.as_ref())?;
-    verdict(&run, case, &context, session, stop).map(|()| summary)
+    let summary = close(run, &mut recorder, &context, session, stop.as_ref())?;
+    verdict(run, case, &context, session, stop).map(|()| summary)
 }
 
 /// A run that can be driven on.
@@ -168,10 +168,10 @@ struct Prepared<'a, const D: usize, const M: usize> {
 /// 1. Open the files, and find what is to be continued there.
 /// 2. Take the state over from a checkpoint, or from another run, or keep that of the start.
 /// 3. Cut what was written after that state.
-fn prepare<'a, const D: usize, const M: usize, R: Run>(
+fn prepare<'a, const D: usize, const M: usize>(
     session: &'a Session<'_>,
     case: &'a Case<D>,
-    run: &mut R,
+    run: &mut dyn Run,
     mesh: &Arc<MeshView<D>>,
     call: Call<'_>,
 ) -> Result<Prepared<'a, D, M>, Failure> {

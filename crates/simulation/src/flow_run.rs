@@ -59,12 +59,9 @@ where
     let mover = &march.solver.system.mesh.mover;
     let mesh = Arc::new(MeshView::new(&mover.reference, &mover.numbering));
     let (flow, surface_rule) = (Cow::Borrowed(flow), march.solver.system.flow.operator.tables.rule.clone());
-    drive::<D, M, _>(
-        case,
-        FlowRun { case, flow, march, averages: AverageSums::default(), crew, surface_rule },
-        &mesh,
-        call,
-    )
+    let averages = AverageSums::default();
+    let mut run = FlowRun { case, flow, march, report: None, averages, crew, surface_rule };
+    drive::<D, M>(case, &mut run, &mesh, call)
 }
 
 struct FlowRun<'a, const D: usize, const M: usize> {
@@ -73,6 +70,8 @@ struct FlowRun<'a, const D: usize, const M: usize> {
     flow: Cow<'a, Flow<D>>,
     /// Of the share of this rank.
     march: FlowMarch<D, M>,
+    /// That of the last slab, until it is entered.
+    report: Option<SlabReport<M>>,
     /// The sums of averages over the cells of this rank.
     averages: AverageSums,
     /// All ranks.
@@ -122,16 +121,15 @@ impl<const D: usize, const M: usize> Run for FlowRun<'_, D, M>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
 {
-    type Report = SlabReport<M>;
-
     fn state(&self) -> &coupled::State {
         &self.march.state
     }
     fn is_done(&self) -> bool {
         self.march.is_done()
     }
-    fn advance(&mut self) -> anyhow::Result<Option<SlabReport<M>>> {
-        self.crew.advance(self.case, &mut self.march)
+    fn advance(&mut self) -> anyhow::Result<bool> {
+        self.report = self.crew.advance(self.case, &mut self.march)?;
+        Ok(self.report.is_some())
     }
     fn can_fall_back(&self) -> bool {
         fallback::split_form(self.case, &self.flow).is_some()
@@ -203,7 +201,8 @@ where
         Ok(row)
     }
 
-    fn enter(&mut self, report: &SlabReport<M>, context: &mut RunContext) -> Vec<f64> {
+    fn enter(&mut self, context: &mut RunContext) -> Vec<f64> {
+        let Some(report) = &self.report.take() else { return Vec::new() };
         let loads = wall_loads(&self.flow, report);
         context.statistics.add(report, &loads);
         self.observe(context);

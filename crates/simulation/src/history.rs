@@ -12,6 +12,7 @@ use coupled::block::BodyState;
 use coupled::{Interval, MeshQuality, SlabReport, StructureReport};
 use navier_stokes::{Coefficients, Conserved, WallForce};
 use std::array::from_fn;
+use tensor::AXES;
 
 /// Columns of every run.
 const OF_MESH: [&str; 6] =
@@ -99,7 +100,7 @@ pub fn openings<const D: usize>(flow: &Flow<D>) -> impl Iterator<Item = usize> {
 
 /// Columns of a wall, in the order of [`row_of_wall`].
 fn of_wall<const D: usize>() -> Vec<String> {
-    let axes = &["x", "y", "z"][..D];
+    let axes = &AXES[..D];
     let vector = |name: &'static str| axes.iter().map(move |axis| format!("{name}_{axis}"));
     let moment = |name: &'static str| match D {
         2 => vec![name.to_string()],

@@ -23,7 +23,11 @@
 //! | `summary` | summary.json |
 //! | `checkpoint` | the state of a run as named arrays, and back |
 //! | `openings` | the flow through inflows and outflows, and whether their conditions are suited to it |
-//! | `body_checks` | what is doubtful about rigid bodies |
+//! | `boundary_values`, `frame_checks` | values of formulas in a slab that failed; checks of rotating frames |
+//! | `bodies`, `elastic_body` | bodies that the flow moves; the structure as one of them |
+//! | `body_checks`, `body_record` | what is doubtful about rigid bodies; what bodies have done so far |
+//! | `controls` | numbers in formulas that the run changes |
+//! | `steady_search`, `fallback` | the search for the steady flow; how a run goes on in a more robust way |
 //! | `preflight` | what is known of a run before it starts, for callers of any dimension |
 //! | `probe` | the cost of a run and the validity of its mesh, estimated beforehand |
 //! | `memory_estimate` | the memory of a run, estimated beforehand |
@@ -33,7 +37,7 @@
 //! | `surfaces` | distributions along walls |
 //! | `probes`, `lines`, `slices` | the flow at points, along lines and in planes |
 //! | `cuts` | the files of lines and slices |
-//! | `walls` | loads of walls |
+//! | `walls`, `integrals`, `opening_states` | loads of walls, integrals over the flow, mean states of openings |
 //! | `cells` | numbers of the flow in some cells, wherever they are |
 //! | `errors` | errors of the flow where the exact flow is known |
 //! | `stored_field`, `cell_finder` | fields of a result file at points |

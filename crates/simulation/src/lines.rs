@@ -5,11 +5,11 @@ use super::cells::StateSource;
 use super::probes::{FlowAtPoints, names, state_at};
 use case::{FieldFormula, Line};
 use fem::parallel::{self, Grain};
-use tensor::norm;
+use tensor::{AXES, norm};
 
 /// The columns of the file of a line: time, distance from its start, position, fields.
 pub fn columns<const D: usize>(line: &Line<D>, formulas: &[FieldFormula]) -> Vec<String> {
-    let place = ["t", "s"].into_iter().chain(["x", "y", "z"].into_iter().take(D));
+    let place = ["t", "s"].into_iter().chain(AXES.into_iter().take(D));
     place.chain(names::<D>(&line.fields, formulas)).map(str::to_owned).collect()
 }
 

@@ -45,12 +45,14 @@ pub fn move_mesh<const D: usize, const M: usize>(
     };
     let case = &Case { flow: None, structure: None, averages, observed, ..case.clone() };
     let march = MeshMarch::new(mover, case.time.schedule(), case.solver.slab_halvings as u32);
-    drive::<D, M, _>(case, MeshRun { case, march, moved_by_flow, inverted: None }, &mesh, call)
+    drive::<D, M>(case, &mut MeshRun { case, march, report: None, moved_by_flow, inverted: None }, &mesh, call)
 }
 
 struct MeshRun<'a, const D: usize> {
     case: &'a Case<D>,
     march: MeshMarch<D>,
+    /// That of the last slab, until it is entered.
+    report: Option<MeshReport>,
     /// Whether the flow moves bodies or structures, which rest here.
     moved_by_flow: bool,
     /// The first slab in which a cell is inverted.
@@ -67,28 +69,28 @@ struct Inverted {
 }
 
 impl<const D: usize> Run for MeshRun<'_, D> {
-    type Report = MeshReport;
-
     fn state(&self) -> &coupled::State {
         &self.march.state
     }
     fn is_done(&self) -> bool {
         self.march.is_done()
     }
-    fn advance(&mut self) -> anyhow::Result<Option<MeshReport>> {
+    fn advance(&mut self) -> anyhow::Result<bool> {
         let report = self.march.advance()?;
         if report.first_invalid.is_some() && self.inverted.is_none() {
             let (start, slabs, march) = (report.interval.start, report.slab - 1, &self.march);
             let finding = examine_inverted(self.case, &march.solver.mover, &march.state, &report);
             self.inverted = finding.map(|finding| Inverted { finding, start, slabs });
         }
-        Ok(Some(report))
+        self.report = Some(report);
+        Ok(true)
     }
     fn velocities_at_start(&self) -> Vec<f64> {
         vec![0.0; self.march.state.d.len() * self.case.time.order]
     }
 
-    fn enter(&mut self, report: &MeshReport, context: &mut RunContext) -> Vec<f64> {
+    fn enter(&mut self, context: &mut RunContext) -> Vec<f64> {
+        let Some(report) = &self.report.take() else { return Vec::new() };
         let MeshReport { slab, interval, rejected, work, quality, first_invalid, first_invalid_sampled } = report;
         let statistics = &mut context.statistics;
         statistics.rejected += *rejected as u64;

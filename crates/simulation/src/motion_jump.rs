@@ -28,7 +28,11 @@ pub fn small(fastest: f64, size: f64, step: f64) -> f64 {
 
 /// The rate of `position` at time `t`, of second order in `moment` from one side of t.
 pub fn rate(position: impl Fn(f64) -> f64, t: f64, moment: f64) -> f64 {
-    let [now, next, last] = [0.0, 1.0, 2.0].map(|steps| position(t + steps * moment));
+    quotient([0.0, 1.0, 2.0].map(|steps| position(t + steps * moment)), moment)
+}
+
+/// The rate at the first of three positions, each a `moment` after the one before.
+fn quotient([now, next, last]: [f64; 3], moment: f64) -> f64 {
     (4.0 * next - 3.0 * now - last) / (2.0 * moment)
 }
 
@@ -122,7 +126,7 @@ fn velocities<const D: usize>(case: &Case<D>, len: usize, t: f64, moment: f64) -
     for (node, x, field) in prescribed_nodes(case) {
         let [now, next, last] = [0.0, 1.0, 2.0].map(|steps| field.displacement(node, &x, t + steps * moment));
         for i in 0..D {
-            velocities[node * D + i] = (4.0 * next[i] - 3.0 * now[i] - last[i]) / (2.0 * moment);
+            velocities[node * D + i] = quotient([now[i], next[i], last[i]], moment);
         }
     }
     velocities

@@ -117,8 +117,8 @@ pub fn at_start<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) 
     records
 }
 
-/// Subsonic inflows and outflows, far fields, and walls with slip, at which the flow starts with a jump: a pressure or a temperature 1.5 times the
-/// other one, a velocity of a Mach number of one. Gas at rest that a far field sets into motion is a choice.
+/// Subsonic inflows and outflows, far fields, and walls with slip, at which the flow starts with a jump. That is a pressure or a temperature 1.5
+/// times the other one, or a velocity of a Mach number of one. Gas at rest that a far field sets into motion is a choice.
 pub fn jumps_at_start<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Vec<Mismatch> {
     let is_far = |boundary: &usize| matches!(flow.boundary[*boundary].condition, Boundary::FarField(_));
     let may_jump = |boundary: &usize| {

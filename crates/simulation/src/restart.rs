@@ -211,6 +211,16 @@ impl Origin {
         Ok(found.iter().any(|difference| tables.iter().any(|table| is_in(&difference.key, table))))
     }
 
+    /// What `of` tells of the case of the run and of this one, as texts.
+    fn both<T, const D: usize>(
+        &self,
+        case: &Case<D>,
+        of: impl Fn(&str) -> Result<T, String>,
+    ) -> Result<[T; 2], RestartError> {
+        let of = |text: &str| of(text).map_err(|reason| self.unreadable(reason));
+        Ok([of(&self.result.metadata.case_text)?, of(&case.about.resolved)?])
+    }
+
     /// What the cases of the run and of this one do not share.
     fn differences<const D: usize>(&self, case: &Case<D>) -> Result<Differences, RestartError> {
         differences(&self.result.metadata.case_text, &case.about.resolved).map_err(|reason| self.unreadable(reason))
@@ -222,8 +232,7 @@ impl Origin {
 
     /// The bodies must be the same, with the same coordinates; structures must be as large.
     fn check_bodies<const D: usize>(&self, case: &Case<D>) -> Result<(), RestartError> {
-        let rigid = |text: &str| bodies_of(text).map_err(|reason| self.unreadable(reason));
-        let (there, here) = (rigid(&self.result.metadata.case_text)?, rigid(&case.about.resolved)?);
+        let [there, here] = self.both(case, bodies_of)?;
         if there != here {
             return Err(self.differs("the rigid bodies", there, here));
         }
@@ -325,7 +334,7 @@ impl Origin {
 
     /// The run continues in the slabs of `time`; the next slab may have begun before.
     fn join_schedule(&self, state: &mut State, time: &Time) -> Result<(), RestartError> {
-        let round_off = 1e-9 * time.step;
+        let round_off = time.round_off();
         // A case without slabs asks for the steady flow alone.
         let latest = if time.slabs == 0 { time.end } else { time.end - round_off };
         if state.time < time.start - round_off || state.time > latest {

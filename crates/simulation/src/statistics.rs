@@ -1,13 +1,13 @@
 //! Sums over a run, for summary.json; they go into checkpoints.
 
+mod arrays;
+
 use super::body_record::BodyRecord;
-use super::fallback;
 use super::openings::Record;
 use super::walls::{WallLoads, numbers_per_wall, to_numbers};
 use coupled::block::BodyState;
-use coupled::{Counts, EasedStart, MeshQuality, Reliability, SlabReport, Stability, SteadyFlow, StructureReport};
+use coupled::{Counts, EasedStart, MeshQuality, Reliability, SlabReport, SteadyFlow, StructureReport};
 use navier_stokes::Conserved;
-use output::Arrays;
 use std::array::from_fn;
 
 /// The numbers of all [`BodyRecord`]s among the arrays of a checkpoint.
@@ -116,52 +116,6 @@ pub struct FirstInvalid {
     pub time: f64,
     /// The worst cell of that slab.
     pub cell: usize,
-}
-
-/// As numbers: the residual, or NaN, and the march where there was one.
-fn of_reliability(reliability: &Reliability) -> Vec<f64> {
-    let march = |s: Stability| [s.growth, s.duration, f64::from(u8::from(s.completed))];
-    let residual = reliability.next_order_residual.unwrap_or(f64::NAN);
-    std::iter::once(residual).chain(reliability.stability.into_iter().flat_map(march)).collect()
-}
-
-/// Back from numbers.
-fn to_reliability(numbers: &[f64]) -> Reliability {
-    let stability = match *numbers {
-        [_, growth, duration, completed] => Some(Stability { growth, duration, completed: completed == 1.0 }),
-        _ => None,
-    };
-    Reliability { next_order_residual: numbers.first().copied().filter(|r| !r.is_nan()), stability }
-}
-
-/// Numbers of `walls`, one after the other, by wall.
-fn by_wall(numbers: &[f64], walls: usize) -> Vec<Vec<f64>> {
-    let each = numbers.len().checked_div(walls).unwrap_or(0).max(1);
-    numbers.chunks(each).map(<[f64]>::to_vec).collect()
-}
-
-/// The quality of the mesh; None unless there are five numbers.
-fn to_quality(numbers: &[f64]) -> Option<MeshQuality> {
-    let [lower_bound, sampled_min, scaled_jacobian, cell, time] = *numbers else { return None };
-    Some(MeshQuality { lower_bound, sampled_min, scaled_jacobian, cell: cell as usize, time })
-}
-
-/// The steady start of a run with a number of `walls`, and its reliability; None if there was none.
-fn to_steady(numbers: &[f64], reliability: &[f64], walls: usize) -> Option<Steady> {
-    let [newton, krylov, residual, forces @ ..] = numbers else { return None };
-    Some(Steady {
-        newton: *newton as u64,
-        krylov: *krylov as u64,
-        residual: *residual,
-        forces: by_wall(forces, walls),
-        reliability: to_reliability(reliability),
-    })
-}
-
-impl Steady {
-    fn to_numbers(&self) -> Vec<f64> {
-        [vec![self.newton as f64, self.krylov as f64, self.residual], self.forces.concat()].concat()
-    }
 }
 
 /// The mass flow out through every boundary at the top of a slab.
@@ -293,101 +247,6 @@ impl RunStatistics {
         // Together they have gained the work of the flow; which of them has gained it, the balance does not ask.
         let work = self.work_of_flow(walls);
         self.bodies.iter_mut().take(1).for_each(|record| record.energy_at_start -= work);
-    }
-
-    /// As named numbers.
-    pub fn to_arrays(&self) -> Arrays {
-        let counts = [
-            self.rejected,
-            self.newton,
-            self.newton_max,
-            self.krylov,
-            self.krylov_max,
-            self.elasticity,
-            self.residuals,
-            self.products,
-        ];
-        let quality = self
-            .quality
-            .map_or(Vec::new(), |q| vec![q.lower_bound, q.sampled_min, q.scaled_jacobian, q.cell as f64, q.time]);
-        let sums = [
-            (String::from("statistics.counts"), counts.map(|n| n as f64).to_vec()),
-            ("statistics.quality".into(), quality),
-            (
-                "statistics.first_invalid".into(),
-                self.first_invalid.map_or(Vec::new(), |first| vec![first.time, first.cell as f64]),
-            ),
-            ("statistics.first_invalid_sampled".into(), self.first_invalid_sampled.into_iter().collect()),
-            ("statistics.totals_at_start".into(), self.totals_at_start.clone()),
-            ("statistics.start_layer".into(), self.start_layer.into_iter().collect()),
-            (fallback::SINCE.into(), self.split_form_since.into_iter().collect()),
-            ("statistics.left".into(), self.left.clone()),
-            ("statistics.controls".into(), self.controls.clone()),
-            ("statistics.controls_of_preconditioner".into(), self.controls_of_preconditioner.clone()),
-            ("statistics.impulses".into(), self.impulses.concat()),
-            ("statistics.forces".into(), self.forces.concat()),
-            ("statistics.steady".into(), self.steady.as_ref().map_or(Vec::new(), Steady::to_numbers)),
-            (
-                "statistics.reliability".into(),
-                self.steady.as_ref().map_or(Vec::new(), |s| of_reliability(&s.reliability)),
-            ),
-            ("statistics.errors".into(), vec![self.mass_error, self.energy_error, self.coupled_energy_error]),
-            (BODIES.into(), self.bodies.iter().flat_map(BodyRecord::numbers).collect()),
-            ("statistics.structure".into(), {
-                let EnergyBalance { energy_at_start, load_work, support_work, dissipation, damped } = self.structure;
-                vec![energy_at_start, load_work, support_work, dissipation, damped]
-            }),
-            ("statistics.mass_flows".into(), self.mass_flows.clone()),
-            ("statistics.openings".into(), self.openings.iter().flat_map(|record| record.to_numbers()).collect()),
-        ];
-        sums.into_iter().map(|(name, values)| (name, values.into())).collect()
-    }
-
-    /// Whether the named numbers are those of a mesh that has become invalid.
-    pub fn has_invalid_mesh(arrays: &Arrays) -> bool {
-        arrays.get("statistics.first_invalid").is_some_and(|first| !first.is_empty())
-    }
-
-    /// Back from named numbers, for a run with a number of `walls`; `None` if some are missing.
-    pub fn from_arrays(arrays: &Arrays, walls: usize) -> Option<Self> {
-        let get = |name: &str| arrays.get(&format!("statistics.{name}")).map(|values| &values[..]);
-        let &[rejected, newton, newton_max, krylov, krylov_max, elasticity, residuals, products] = get("counts")?
-        else {
-            return None;
-        };
-        let &[energy_at_start, load_work, support_work, dissipation, damped] = get("structure")? else { return None };
-        Some(RunStatistics {
-            rejected: rejected as u64,
-            newton: newton as u64,
-            newton_max: newton_max as u64,
-            krylov: krylov as u64,
-            krylov_max: krylov_max as u64,
-            elasticity: elasticity as u64,
-            residuals: residuals as u64,
-            products: products as u64,
-            quality: to_quality(get("quality")?),
-            first_invalid: match get("first_invalid")?[..] {
-                [time, cell] => Some(FirstInvalid { time, cell: cell as usize }),
-                _ => None,
-            },
-            first_invalid_sampled: get("first_invalid_sampled")?.first().copied(),
-            totals_at_start: get("totals_at_start")?.to_vec(),
-            start_layer: get("start_layer").and_then(|layer| layer.first().copied()),
-            split_form_since: fallback::since(arrays),
-            left: get("left")?.to_vec(),
-            impulses: by_wall(get("impulses")?, walls),
-            forces: by_wall(get("forces")?, walls),
-            steady: to_steady(get("steady")?, get("reliability").unwrap_or_default(), walls),
-            mass_error: *get("errors")?.first()?,
-            energy_error: *get("errors")?.get(1)?,
-            coupled_energy_error: *get("errors")?.get(2)?,
-            bodies: BodyRecord::read_all(get("bodies")?)?,
-            structure: EnergyBalance { energy_at_start, load_work, support_work, dissipation, damped },
-            mass_flows: get("mass_flows")?.to_vec(),
-            openings: get("openings")?.as_chunks().0.iter().map(Record::from_numbers).collect::<Option<_>>()?,
-            controls: get("controls").unwrap_or_default().to_vec(),
-            controls_of_preconditioner: get("controls_of_preconditioner").unwrap_or_default().to_vec(),
-        })
     }
 }
 

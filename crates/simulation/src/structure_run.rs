@@ -35,12 +35,8 @@ pub fn run_structure<const D: usize, const M: usize>(
     let march = build::structure_march(case, structure).map_err(without_march)?;
     let mesh = Arc::new(MeshView::new(&case.mesh, march.structure().numbering()));
     let observed = Observed::new(structure, &march).map_err(Failure::bad_input)?;
-    drive::<D, M, _>(
-        case,
-        StructureRun { case, structure, march, observed, stability: None, failed: None },
-        &mesh,
-        call,
-    )
+    let mut run = StructureRun { case, structure, march, report: None, observed, stability: None, failed: None };
+    drive::<D, M>(case, &mut run, &mesh, call)
 }
 
 /// The failure of a structure that has no march: an equilibrium at the start that was not found, or a bad input.
@@ -74,6 +70,8 @@ struct StructureRun<'a, const D: usize> {
     case: &'a Case<D>,
     structure: &'a Structure<D>,
     march: StructureMarch<D>,
+    /// That of the last slab, until it is entered.
+    report: Option<StructureReport>,
     observed: Observed,
     /// That of the equilibrium at the end.
     stability: Option<Stability>,
@@ -156,22 +154,22 @@ impl<const D: usize> StructureRun<'_, D> {
 }
 
 impl<const D: usize> Run for StructureRun<'_, D> {
-    type Report = StructureReport;
-
     fn state(&self) -> &coupled::State {
         &self.march.state
     }
     fn is_done(&self) -> bool {
         self.march.is_done()
     }
-    fn advance(&mut self) -> anyhow::Result<Option<StructureReport>> {
+    fn advance(&mut self) -> anyhow::Result<bool> {
         let done = self.march.advance();
         self.failed = done.as_ref().err().map(|error| error.interval);
-        done.map(Some).map_err(|error| match error.source {
+        let report = done.map_err(|error| match error.source {
             // The cause alone: the slab is told beside it.
             SlabError::Structure(source) => source.into(),
-            _ => error.into(),
-        })
+            _ => anyhow::Error::from(error),
+        })?;
+        self.report = Some(report);
+        Ok(true)
     }
     fn velocities_at_start(&self) -> Vec<f64> {
         self.march.velocity().repeat(self.case.time.order)
@@ -183,7 +181,8 @@ impl<const D: usize> Run for StructureRun<'_, D> {
         Ok(None)
     }
 
-    fn enter(&mut self, report: &StructureReport, context: &mut RunContext) -> Vec<f64> {
+    fn enter(&mut self, context: &mut RunContext) -> Vec<f64> {
+        let Some(report) = &self.report.take() else { return Vec::new() };
         context.statistics.add_structure(report);
         let (body, time) = (self.as_body(context), self.march.state.time);
         context.statistics.bodies.iter_mut().for_each(|record| record.add(&body, time));

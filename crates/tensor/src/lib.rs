@@ -44,6 +44,6 @@ pub use dual::Dual;
 pub use lanes::{LaneNumber, Lanes, Pack, WIDTH, zeroed};
 pub use real::{Over, Real, Transcendental};
 pub use rotation::{angular_velocity, moved_by_rotation, rotated};
-pub use small::{cofactor, cross, det, determinant, dot, matrix_from_columns, norm, smooth_ramp, trace};
+pub use small::{AXES, cofactor, cross, det, determinant, dot, matrix_from_columns, norm, smooth_ramp, trace};
 
 pub use pulp;

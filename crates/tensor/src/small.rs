@@ -2,6 +2,9 @@
 
 use crate::Real;
 
+/// The names of the axes of space.
+pub const AXES: [&str; 3] = ["x", "y", "z"];
+
 /// a . b
 #[inline(always)]
 pub fn dot<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {

@@ -115,3 +115,60 @@ fn there_are_few_nonlinear_problems() {
     let expected = ["coupled/src/system.rs", "elasticity/src/nonlinear.rs", "newton_krylov/src/finite_difference.rs"];
     assert_eq!(files_with(&["NonlinearProblem for "]), expected);
 }
+
+/// A law is written for numbers of any kind; lanes are one of them.
+#[test]
+fn the_physics_of_the_gas_knows_no_lanes() {
+    let users = crates(|folder| contains(folder, &["Lanes", "pulp::", "Arch::"]));
+    let expected =
+        ["basis", "coupled", "elasticity", "fem", "mesh", "newton_krylov", "simulation", "stsolve", "tensor"];
+    assert_eq!(users, expected);
+}
+
+/// A loop of rayon is compiled for each of its callers. These are hot, or of the report.
+#[test]
+fn few_loops_are_no_loops_of_mesh_parallel() {
+    let mut files = files_with(&["par_iter", "par_chunks"]);
+    files.retain(|file| !file.starts_with("report/"));
+    let expected = [
+        "coupled/src/preconditioner/coarse.rs",
+        "elasticity/src/elastic_mesh/solve.rs",
+        "elasticity/src/modal.rs",
+        "elasticity/src/multigrid/aggregation.rs",
+        "elasticity/src/multigrid/matrix.rs",
+        "elasticity/src/multigrid/prolongation.rs",
+        "elasticity/src/operator.rs",
+        "fem/src/mesh_traces.rs",
+        "fem/src/operator/evaluation.rs",
+        "fem/src/traces.rs",
+        "mesh/src/parallel.rs",
+        "mesh/src/validity/mod.rs",
+        "mesh/src/validity/motion.rs",
+        "newton_krylov/src/inner_product/columns.rs",
+        "simulation/src/averages/mod.rs",
+    ];
+    assert_eq!(files, expected);
+}
+
+/// The tables of modules had forgotten thirty, and kept one that was gone.
+#[test]
+fn a_table_of_modules_has_all_of_them() {
+    let module = |line: &str| {
+        let rest = ["mod ", "pub mod ", "pub(crate) mod "].iter().find_map(|start| line.strip_prefix(start))?;
+        rest.strip_suffix(';').map(str::to_owned)
+    };
+    for name in crates(|folder| folder.join("src/lib.rs").exists()) {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates").join(&name).join("src/lib.rs");
+        let text = read_to_string(file).unwrap();
+        let rows: String = text.lines().filter_map(|line| line.strip_prefix("//! | `")?.split('|').next()).collect();
+        if !text.contains("//! | module |") {
+            continue;
+        }
+        let told = |module: &str| rows.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == module);
+        let lines: Vec<&str> = text.lines().collect();
+        let is_test = |k: usize| k > 0 && lines[k - 1] == "#[cfg(test)]";
+        let modules = (0..lines.len()).filter(|&k| !is_test(k)).filter_map(|k| module(lines[k]));
+        let missing: Vec<String> = modules.filter(|module| !told(module)).collect();
+        assert!(missing.is_empty(), "{name}: {missing:?}");
+    }
+}

@@ -8,6 +8,7 @@ use crate::key::Key;
 use coupled::BoundaryField;
 use navier_stokes::Boundary;
 use std::collections::{BTreeMap, BTreeSet};
+use tensor::AXES;
 
 /// A node with a smaller weight hardly follows a body: formulas may not fall to zero.
 const SMALL_WEIGHT: f64 = 1e-6;
@@ -85,7 +86,7 @@ pub(super) fn check_bodies<const D: usize>(
 }
 
 fn leaves(checker: &Checker<'_>, body: &str, boundary: &str, x: &[f64], axis: usize) -> Box<crate::CaseError> {
-    let axis = ["x", "y", "z"][axis];
+    let axis = AXES[axis];
     let problem = format!(
         "the node at {x:?} on the boundary `{boundary}` would leave its plane, for `{body}` can move along {axis}"
     );
@@ -100,7 +101,7 @@ fn refused<const D: usize>(
     x: &[f64; D],
     axis: usize,
 ) -> Box<crate::CaseError> {
-    let (name, axis) = (&mesh.boundary_names()[boundary], ["x", "y", "z"][axis]);
+    let (name, axis) = (&mesh.boundary_names()[boundary], AXES[axis]);
     let problem = format!(
         "at {x:?} boundary `{name}` of the flow holds the mesh along {axis}, and the structure does not, or moves otherwise"
     );

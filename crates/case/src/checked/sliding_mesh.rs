@@ -5,6 +5,7 @@ use super::{Flow, Motion};
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
 use std::collections::BTreeMap;
+use tensor::AXES;
 
 /// The C0 nodes of a boundary, and which components of their displacement it prescribes.
 pub type Held<const D: usize> = BTreeMap<usize, [bool; D]>;
@@ -32,7 +33,7 @@ pub(super) fn check_held<const D: usize>(checker: &Checker<'_>, key: &Key, slide
         |slide: &Option<Held<D>>, axis: usize| slide.as_ref().is_none_or(|nodes| nodes.values().any(|held| held[axis]));
     let is_free = |axis: &usize| !slides.is_empty() && !slides.iter().any(|slide| holds(slide, *axis));
     let Some(axis) = (0..D).find(is_free) else { return Ok(()) };
-    let problem = format!("nothing holds the mesh along {}: every boundary slides along it", ["x", "y", "z"][axis]);
+    let problem = format!("nothing holds the mesh along {}: every boundary slides along it", AXES[axis]);
     Err(checker.combination(
         key,
         &problem,

@@ -36,6 +36,11 @@ impl Time {
         CHECK_TIMES.map(|part| readable((1.0 - part) * self.start + part * self.end))
     }
 
+    /// Times that differ by less are one: the round-off of sums of slabs.
+    pub fn round_off(&self) -> f64 {
+        1e-9 * self.step
+    }
+
     /// The slabs.
     pub fn schedule(&self) -> Schedule {
         let Time { start, end, step, slabs, control, .. } = *self;

@@ -5,6 +5,7 @@ use super::lexer;
 use super::table::Table;
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use tensor::AXES;
 
 /// A variable of a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,15 +67,13 @@ pub(super) enum Meaning {
     Callable(Callable),
 }
 
-const COORDINATES: [&str; 3] = ["x", "y", "z"];
-
 const ARC_LENGTH: &str = "s";
 
 const TIME: &str = "t";
 
 /// Whether some formula has a variable of this name: a coordinate, the arc length or the time.
 pub fn is_variable(name: &str) -> bool {
-    name == TIME || name == ARC_LENGTH || COORDINATES.contains(&name)
+    name == TIME || name == ARC_LENGTH || AXES.contains(&name)
 }
 
 static CALLABLES: [(&str, Callable); 19] = [
@@ -124,7 +123,7 @@ impl Names {
 
     /// These constants, and the coordinates for the given dimension.
     pub fn with_coordinates(&self, dimension: usize) -> Self {
-        Names { position: COORDINATES[..dimension].to_vec(), ..self.clone() }
+        Names { position: AXES[..dimension].to_vec(), ..self.clone() }
     }
 
     /// These names, and s, the arc length along a curve, as the entry of the position after the coordinates.

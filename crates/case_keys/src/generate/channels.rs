@@ -36,8 +36,8 @@ pub struct ChannelCylinderGenerator {
     pub diameter: f64,
     /// The height of the cells at the cylinder, where it is nearest to a wall or the inflow.
     pub first_cell: f64,
-    /// Cells along the part of the cylinder that faces a side of the rectangle around it, which is also the number across the channel; outwards from the cylinder; from the
-    /// rectangle to the end.
+    /// Cells along the part of the cylinder that faces a side of the rectangle around it, which is also the number across the channel. Then
+    /// those outwards from the cylinder, and those from the rectangle to the end.
     pub cells: [usize; 3],
 }
 

@@ -18,8 +18,8 @@ pub struct ChannelCylinderMesh {
     pub diameter: f64,
     /// Height of the cells at the cylinder, where it is nearest to the rectangle.
     pub first_cell: f64,
-    /// Cells along the part of the cylinder that faces a side of the rectangle around it, which is also the number across the channel; cells from the cylinder outwards; cells from
-    /// the rectangle to the end.
+    /// Cells along the part of the cylinder that faces a side of the rectangle around it, which is also the number across the channel. Then cells
+    /// from the cylinder outwards, and cells from the rectangle to the end.
     pub cells: [usize; 3],
     /// N, nodes per direction of the geometry.
     pub order: usize,

@@ -26,12 +26,8 @@ fn of_air() {
     assert!((temperature - 288.15).abs() < 0.02);
     assert!((air.density(pressure, temperature) - density).abs() < 1e-12);
     assert!((air.sound_speed(density, pressure) - 340.29).abs() < 0.02);
-    // U.S. Standard Atmosphere: 1.789e-5 Pa s, 0.0253 W/(m K) at sea level.
+    // U.S. Standard Atmosphere: 1.789e-5 Pa s at sea level.
     assert!((air.dynamic_viscosity(288.15_f64) - 1.789e-5).abs() < 0.005e-5);
-    assert!((air.conductivity(288.15_f64) - 0.0253).abs() < 3e-4);
-    let u = Primitive { density, velocity: [100.0, 0.0], pressure }.to_conserved(&air);
-    let enthalpy = air.heat_capacity() * temperature + 0.5 * 100.0 * 100.0;
-    assert!((air.total_enthalpy(&u, pressure) - enthalpy).abs() < 1e-9 * enthalpy);
 }
 
 /// A gas in rigid rotation at a uniform temperature has no viscous stress and conducts no heat.

@@ -42,7 +42,8 @@ fn thinned<T>(all: Vec<T>, bytes: impl Fn(&T) -> usize, room: usize) -> Vec<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::window::{Extent, Window};
+    use super::super::bounds::Extent;
+    use super::super::window::Window;
     use super::*;
 
     #[test]

@@ -1,14 +1,15 @@
 //! The field and the window of a movie or a picture, by their names.
 
+use super::bounds::{Cuboid, Extent};
 use super::cuts;
 use super::error::PictureError;
 use super::medium::PictureMedium;
 use super::plane::Plane;
 use super::quantity::PictureQuantity;
-use super::space::Cuboid;
 use super::view::View;
-use super::window::{Extent, Window};
+use super::window::Window;
 use output::ResultReader;
+use tensor::AXES;
 
 /// Pixels of a window that is given by a box or a plane.
 const PIXELS: f64 = 420e3;
@@ -122,7 +123,7 @@ fn extent(name: &str) -> Option<Extent> {
 /// The plane `x=0.5`.
 fn plane(name: &str) -> Option<Plane> {
     let (axis, at) = name.split_once('=')?;
-    let axis = ["x", "y", "z"].iter().position(|name| *name == axis.trim())?;
+    let axis = AXES.iter().position(|name| *name == axis.trim())?;
     let at = at.trim().parse().ok().filter(|at: &f64| at.is_finite())?;
     Some(Plane { axis, at })
 }

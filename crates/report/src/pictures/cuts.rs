@@ -1,13 +1,14 @@
 //! Cuts through the flow in three dimensions, at several positions along each axis, at one time.
 
 use super::Encoded;
+use super::bounds::{Cuboid, Extent};
 use super::plane::Plane;
 use super::quantity::{PictureQuantity, Range};
 use super::snapshot::Snapshot;
-use super::space::Cuboid;
 use super::view::View;
-use super::window::{Extent, Window};
+use super::window::Window;
 use rayon::prelude::*;
+use tensor::AXES;
 
 /// A window on planes across one axis.
 pub struct Cut {
@@ -18,9 +19,6 @@ pub struct Cut {
     /// The pictures at each position.
     pub views: Vec<Encoded>,
 }
-
-/// The names of the axes.
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Positions along an axis.
 const POSITIONS: usize = 7;

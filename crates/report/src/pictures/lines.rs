@@ -52,7 +52,7 @@ fn distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::window::Extent;
+    use super::super::bounds::Extent;
     use super::*;
 
     #[test]

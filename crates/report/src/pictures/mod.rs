@@ -2,6 +2,7 @@
 
 mod animation;
 mod average;
+mod bounds;
 mod budget;
 mod canvas;
 mod choice;

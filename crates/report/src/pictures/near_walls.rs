@@ -1,9 +1,10 @@
 //! The choice of windows: the bodies, every wall by itself, the whole domain.
 
+use super::bounds::Extent;
 use super::snapshot::Snapshot;
 use super::track::Track;
 use super::wall::Wall;
-use super::window::{Extent, Window};
+use super::window::Window;
 
 /// Pixels of a picture of the bodies, of the whole domain beside it, and of the domain if there are no bodies.
 const PIXELS: [f64; 3] = [420e3, 160e3, 420e3];

@@ -122,7 +122,7 @@ pub fn centres(x: [f64; 3], count: usize) -> std::ops::Range<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::window::Extent;
+    use super::super::bounds::Extent;
     use super::*;
 
     /// The unit square cut into two triangles, with the values x + 10 y and 1.

@@ -165,8 +165,8 @@ fn numbers_with_room(range: Range, bar: f64, size: f64) -> Vec<(f64, String)> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::bounds::Extent;
     use super::super::lines::LineLayer;
-    use super::super::window::Extent;
     use super::*;
     use case::Field;
 

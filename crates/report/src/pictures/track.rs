@@ -1,8 +1,8 @@
 //! Faces of bodies, and how far they have moved.
 
+use super::bounds::Extent;
 use super::scheme::PARTS;
 use super::snapshot::Snapshot;
-use super::window::Extent;
 
 /// Faces of bodies, and their centre at the first picture.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,5 +1,7 @@
 //! The view of a run: its windows, and the pictures in them.
 
+use super::bounds::Extent;
+use super::bounds::{Cuboid, in_space};
 use super::drawn::{Drawn, extremes};
 use super::encode::colour_numbers;
 use super::lines::LineLayer;
@@ -9,10 +11,10 @@ use super::quantity::{PictureQuantity, Range};
 use super::raster::Raster;
 use super::scheme::PARTS;
 use super::snapshot::Snapshot;
-use super::space::{Cuboid, PictureRegion, Space, in_space};
+use super::space::{PictureRegion, Space};
 use super::surface::{face_lines, surface};
 use super::wall::Wall;
-use super::window::{Extent, Window};
+use super::window::Window;
 use crate::html::short;
 use output::ResultReader;
 

@@ -1,8 +1,8 @@
 //! Walls in the plane of the windows.
 
+use super::bounds::Extent;
 use super::snapshot::Snapshot;
 use super::track::{Track, face_points};
-use super::window::Extent;
 
 /// A boundary that may be a wall.
 #[derive(Clone, Debug, PartialEq)]

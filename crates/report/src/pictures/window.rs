@@ -1,79 +1,9 @@
 //! Windows: the displayed part of the plane, and its number of pixels.
 
+use super::bounds::Extent;
 use super::plane::Plane;
 use super::space::Camera;
 use super::track::Track;
-
-/// A box along the axes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Extent {
-    /// The corner with the smallest coordinates.
-    pub lower: [f64; 2],
-    /// The corner with the largest coordinates.
-    pub upper: [f64; 2],
-}
-
-impl Extent {
-    /// The empty box; every point extends it.
-    pub const EMPTY: Extent = Extent { lower: [f64::INFINITY; 2], upper: [f64::NEG_INFINITY; 2] };
-
-    /// The smallest box that contains also `point`.
-    pub fn with(self, point: [f64; 2]) -> Self {
-        let [x, y] = point;
-        Extent {
-            lower: [self.lower[0].min(x), self.lower[1].min(y)],
-            upper: [self.upper[0].max(x), self.upper[1].max(y)],
-        }
-    }
-
-    /// The box of some points.
-    pub fn of(points: impl IntoIterator<Item = [f64; 2]>) -> Self {
-        points.into_iter().fold(Self::EMPTY, Self::with)
-    }
-
-    /// The smallest box that contains both.
-    pub fn union(self, other: Self) -> Self {
-        if other.is_empty() { self } else { self.with(other.lower).with(other.upper) }
-    }
-
-    /// Whether there is no point in it.
-    pub fn is_empty(&self) -> bool {
-        !(self.lower[0] <= self.upper[0] && self.lower[1] <= self.upper[1])
-    }
-
-    /// Lengths of the edges.
-    pub fn size(&self) -> [f64; 2] {
-        [self.upper[0] - self.lower[0], self.upper[1] - self.lower[1]]
-    }
-
-    /// The point in the middle.
-    pub fn centre(&self) -> [f64; 2] {
-        [0, 1].map(|i| 0.5 * (self.lower[i] + self.upper[i]))
-    }
-
-    /// The longer edge.
-    pub fn length(&self) -> f64 {
-        self.size()[0].max(self.size()[1])
-    }
-
-    /// The box with a margin added on every side, one per axis.
-    pub fn grown(self, [x, y]: [f64; 2]) -> Self {
-        let Extent { lower, upper } = self;
-        Extent { lower: [lower[0] - x, lower[1] - y], upper: [upper[0] + x, upper[1] + y] }
-    }
-
-    /// The same box elsewhere.
-    pub fn shifted(self, by: [f64; 2]) -> Self {
-        let moved = |x: [f64; 2]| [x[0] + by[0], x[1] + by[1]];
-        Extent { lower: moved(self.lower), upper: moved(self.upper) }
-    }
-
-    /// The intersection of both.
-    pub fn intersection(self, other: Self) -> Self {
-        let pick = |f: fn(f64, f64) -> f64, a: [f64; 2], b: [f64; 2]| [f(a[0], b[0]), f(a[1], b[1])];
-        Extent { lower: pick(f64::max, self.lower, other.lower), upper: pick(f64::min, self.upper, other.upper) }
-    }
-}
 
 /// A part of the plane in pixels of one size in both directions.
 #[derive(Clone, Debug, PartialEq)]

@@ -15,12 +15,11 @@ use mesh::{CrossSection, LineNode, Mesh, Stack, clusters};
 use output::{FileLayout, Grid, OutputError, Step, ViewerFile, write_atomically};
 use std::fmt::Write;
 use std::path::Path;
+use tensor::AXES;
 
 /// Names of the files.
 pub(super) const TABLE: &str = "averages_along.csv";
 pub(super) const VIEWER_FILE: &str = "averages_along.vtkhdf";
-
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The averages along axes at the end of a run.
 pub struct AlongFiles<'a> {

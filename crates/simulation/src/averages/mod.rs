@@ -48,7 +48,7 @@ pub const FILES: [&str; 3] = [phase_file::PHASE_FILE, along::TABLE, along::VIEWE
 /// A warning if averages should have begun before the `state`, and nothing was averaged so far: the `sums` of the run have none.
 pub fn are_late<const D: usize>(case: &Case<D>, sums: &Arrays, state: &coupled::State) -> Option<String> {
     let is_late = |averages: &&Averages| {
-        averages.from < state.time - 1e-9 * case.time.step && averages.to.is_none_or(|to| to > state.time)
+        averages.from < state.time - case.time.round_off() && averages.to.is_none_or(|to| to > state.time)
     };
     let averages = case.averages.as_ref().filter(is_late)?;
     let is_missing = state.slab > 0 && !sums.keys().any(|name| is_of_averages(name));

@@ -22,6 +22,7 @@ use AveragedQuantity::{
 };
 use case::Average;
 use navier_stokes::{Gas, Primitive, viscous_stress};
+use tensor::AXES;
 
 /// A quantity of the gas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -149,8 +150,6 @@ pub struct Moments {
     /// The averages that the case asks for.
     pub averages: Vec<Averaged>,
 }
-
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 const PRODUCTION: &str = "production";
 

@@ -43,7 +43,7 @@ pub(super) fn open_files<'a, const D: usize, const M: usize>(
 pub(super) fn cut_files<const D: usize, const M: usize>(
     session: &Session<'_>,
     recorder: &mut Recorder<D, M>,
-    run: &impl Run,
+    run: &dyn Run,
     has_begun: bool,
 ) -> Result<(), Failure> {
     let reached = match has_begun {
@@ -55,14 +55,14 @@ pub(super) fn cut_files<const D: usize, const M: usize>(
 }
 
 /// Where `run` stands.
-fn reached(run: &impl Run) -> Reached {
+fn reached(run: &dyn Run) -> Reached {
     let coupled::State { time, slab: slabs, .. } = *run.state();
     Reached { time, slabs, is_end: run.is_done(), is_start: false }
 }
 
 /// Warns if a resumed run is at a `time` after its end.
 pub(super) fn warn_of_end<const D: usize>(case: &Case<D>, time: f64) {
-    if time > case.time.end + 1e-9 * case.time.step {
+    if time > case.time.end + case.time.round_off() {
         let (time, end) = (rounded_time(time), case.time.end);
         tracing::warn!("the checkpoint is at t = {time}, after the end {end}: nothing is left to do");
     }
@@ -82,7 +82,7 @@ pub(super) fn warn_of_frame<const D: usize>(case: &Case<D>) {
 
 /// Begins a new run, also one that starts from the result of another. Returns why it stopped early, if it did.
 pub(super) fn begin<const D: usize, const M: usize>(
-    run: &mut impl Run,
+    run: &mut dyn Run,
     recorder: &mut Recorder<D, M>,
     context: &mut RunContext,
     directory: &Path,
@@ -116,7 +116,7 @@ pub(super) fn begin<const D: usize, const M: usize>(
 
 /// Appends the distributions along walls to their series.
 pub(super) fn append_surfaces<const D: usize, const M: usize>(
-    run: &impl Run,
+    run: &dyn Run,
     recorder: &mut Recorder<D, M>,
 ) -> Result<(), Failure> {
     let time = run.state().time;
@@ -126,7 +126,7 @@ pub(super) fn append_surfaces<const D: usize, const M: usize>(
 /// Continues the series of distributions along walls. A run that takes over the result of the `origin` begins with its series, where they
 /// have the same points; without, it goes on in its own file. The series of a wall of which there was none begins with the present state.
 pub(super) fn continue_surfaces<const D: usize, const M: usize>(
-    run: &impl Run,
+    run: &dyn Run,
     recorder: &mut Recorder<D, M>,
     session: &Session<'_>,
     origin: Option<&Start>,
@@ -185,7 +185,7 @@ fn added_on_resume<const D: usize>(case: &Case<D>, session: &Session<'_>, time: 
 
 /// Restores the run from a checkpoint, its own or that of the run that it continues.
 pub(super) fn restore<const D: usize>(
-    run: &mut impl Run,
+    run: &mut dyn Run,
     stored: Option<&Checkpoint>,
     case: &Case<D>,
 ) -> Result<RunStatistics, Failure> {
@@ -200,7 +200,7 @@ pub(super) fn restore<const D: usize>(
 
 /// Restores the run from the `start` that another run has left. The balances begin anew if energies are measured in another way here.
 pub(super) fn take_over<const D: usize>(
-    run: &mut impl Run,
+    run: &mut dyn Run,
     start: &Start,
     case: &Case<D>,
 ) -> Result<RunStatistics, Failure> {

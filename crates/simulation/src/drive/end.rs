@@ -14,7 +14,7 @@ use output::Summary;
 
 /// Writes the last state and summary.json.
 pub(super) fn close<const D: usize, const M: usize>(
-    run: &mut impl Run,
+    run: &mut dyn Run,
     recorder: &mut Recorder<D, M>,
     context: &RunContext,
     session: &Session<'_>,
@@ -37,7 +37,7 @@ pub(super) fn close<const D: usize, const M: usize>(
 
 /// What the run has come to, after it has said its cost.
 pub(super) fn verdict<const D: usize>(
-    run: &impl Run,
+    run: &dyn Run,
     case: &Case<D>,
     context: &RunContext,
     session: &Session<'_>,
@@ -60,7 +60,7 @@ pub(super) fn verdict<const D: usize>(
 
 /// The failure of `run`, with the likeliest cause, after the failure report is written.
 fn explained(
-    run: &impl Run,
+    run: &dyn Run,
     error: anyhow::Error,
     finding: &Finding,
     case: &str,

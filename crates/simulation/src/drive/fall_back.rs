@@ -11,7 +11,7 @@ use crate::statistics::RunStatistics;
 use case::{Case, rounded_time};
 
 /// Whether the last checkpoint stays, because the run may go back to it: that before the slab that is halved.
-pub(super) fn is_held(run: &impl Run) -> bool {
+pub(super) fn is_held(run: &dyn Run) -> bool {
     run.state().failed.is_some() && run.can_fall_back()
 }
 
@@ -19,7 +19,7 @@ pub(super) fn is_held(run: &impl Run) -> bool {
 /// run stops if that fails in the same slab.
 pub(super) fn fall_back<const D: usize, const M: usize>(
     case: &Case<D>,
-    run: &mut impl Run,
+    run: &mut dyn Run,
     recorder: &mut Recorder<D, M>,
     context: &mut RunContext,
     (session, error): (&Session, anyhow::Error),

@@ -17,14 +17,12 @@ use std::sync::Arc;
 
 /// A march from slab to slab, and its output.
 pub(crate) trait Run {
-    /// The report of a slab.
-    type Report;
     /// The state of the march.
     fn state(&self) -> &coupled::State;
     /// Whether the end has been reached.
     fn is_done(&self) -> bool;
-    /// Attempts to advance one slab; `None` if the attempt is rejected and the next one is easier.
-    fn advance(&mut self) -> anyhow::Result<Option<Self::Report>>;
+    /// Attempts to advance one slab; `false` if the attempt is rejected and the next one is easier.
+    fn advance(&mut self) -> anyhow::Result<bool>;
     /// Whether there is a more robust way to go on.
     fn can_fall_back(&self) -> bool {
         false
@@ -62,8 +60,8 @@ pub(crate) trait Run {
     fn open(&mut self, _context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
         Ok(None)
     }
-    /// Records a slab and reports it; returns its row of history.csv.
-    fn enter(&mut self, report: &Self::Report, context: &mut RunContext) -> Vec<f64>;
+    /// Records the slab that [`Run::advance`] has solved and reports it; returns its row of history.csv.
+    fn enter(&mut self, context: &mut RunContext) -> Vec<f64>;
     /// What the rejected attempts at the next slab have cost.
     fn counts(&self) -> Counts {
         Counts::default()

@@ -16,7 +16,7 @@ use std::path::Path;
 /// Runs the remaining slabs; returns why it stopped before its end, if it did.
 pub(super) fn run_slabs<const D: usize, const M: usize>(
     case: &Case<D>,
-    run: &mut impl Run,
+    run: &mut dyn Run,
     recorder: &mut Recorder<D, M>,
     context: &mut RunContext,
     session: &Session,
@@ -28,14 +28,14 @@ pub(super) fn run_slabs<const D: usize, const M: usize>(
         }
         let was_held = is_held(run);
         match run.advance() {
-            Ok(Some(report)) => {
+            Ok(true) => {
                 given_up = None;
-                let of_controls = finish_slab(case, run, &report, recorder, context, session.directory.path())?;
+                let of_controls = finish_slab(case, run, recorder, context, session.directory.path())?;
                 if let Err(error) = of_controls {
                     return Ok(Some(Stop::Failed(error, None)));
                 }
             }
-            Ok(None) => {
+            Ok(false) => {
                 controls::note_preconditioner(case, run.counts().rebuilds > 0, &mut context.statistics);
                 if is_held(run) && !was_held {
                     recorder.checkpoint(run.store(), &context.statistics)?;
@@ -51,17 +51,16 @@ pub(super) fn run_slabs<const D: usize, const M: usize>(
 }
 
 /// Writes what a slab has given. Returns the error of the controls, if one of them has no value for the next slab.
-fn finish_slab<const D: usize, const M: usize, R: Run>(
+fn finish_slab<const D: usize, const M: usize>(
     case: &Case<D>,
-    run: &mut R,
-    report: &R::Report,
+    run: &mut dyn Run,
     recorder: &mut Recorder<D, M>,
     context: &mut RunContext,
     directory: &Path,
 ) -> Result<anyhow::Result<()>, Failure> {
     context.slabs += 1;
     context.warn_once_of_linear_law(|| beyond_linear(case, run.state()));
-    let row = [run.enter(report, context), controls::values(case)].concat();
+    let row = [run.enter(context), controls::values(case)].concat();
     recorder.history.push(&row)?;
     let coupled::State { slab, time, d: displacement, past, .. } = run.state();
     let of_controls = controls::update(case, &context.control_columns, (&row, displacement), &mut context.statistics);

@@ -30,8 +30,7 @@ impl Origin {
 
     /// The record of the structure, the last body, keeps what points of the same name and place have done.
     fn carry_points<const D: usize>(&self, case: &Case<D>, arrays: &mut Arrays) -> Result<(), RestartError> {
-        let points = |text: &str| structure_points_of(text).map_err(|reason| self.unreadable(reason));
-        let (there, here) = (points(&self.result.metadata.case_text)?, points(&case.about.resolved)?);
+        let [there, here] = self.both(case, structure_points_of)?;
         let records = arrays.get(BODIES).and_then(|numbers| BodyRecord::read_all(numbers));
         let (Some(mut records), true) = (records, there != here) else { return Ok(()) };
         if let Some(record) = records.get_mut(case.bodies.len()) {

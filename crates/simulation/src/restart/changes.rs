@@ -55,16 +55,13 @@ impl Origin {
 
     /// Whether the flow of `case` has other integrals over the cells.
     fn has_other_quadrature<const D: usize>(&self, case: &Case<D>) -> Result<bool, RestartError> {
-        let quadrature = |text: &str| quadrature_of(text).map_err(|reason| self.unreadable(reason));
-        let there = quadrature(&self.result.metadata.case_text)?;
-        Ok(there != quadrature(&case.about.resolved)? || fallback::since(&self.stored.state.arrays).is_some())
+        let [there, here] = self.both(case, quadrature_of)?;
+        Ok(there != here || fallback::since(&self.stored.state.arrays).is_some())
     }
 
     /// The gas in both cases, as text and without what is `allowed` to change.
     fn gases<const D: usize>(&self, case: &Case<D>, allowed: &[AllowedChange]) -> Result<[String; 2], RestartError> {
-        let gas =
-            |text: &str| gas_of(text, allowed).map(Option::unwrap_or_default).map_err(|reason| self.unreadable(reason));
-        Ok([gas(&self.result.metadata.case_text)?, gas(&case.about.resolved)?])
+        self.both(case, |text| gas_of(text, allowed).map(Option::unwrap_or_default))
     }
 
     /// The result must hold a flow of the same gas; the case may allow changes. Returns whether the gas has changed.

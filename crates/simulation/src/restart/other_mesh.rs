@@ -20,6 +20,7 @@ use mesh::bounding_box;
 use navier_stokes::Primitive;
 use newton_krylov::inner_product::largest;
 use output::Arrays;
+use tensor::AXES;
 
 /// Nodes outside the other mesh are on its boundary if they are nearer to it than this part of its cell there.
 const TOUCHING: f64 = 0.01;
@@ -170,6 +171,6 @@ impl Outside {
 /// A box in words.
 fn told<const D: usize>((lower, upper): &([f64; D], [f64; D])) -> String {
     let short = |x: f64| format!("{x:.4e}").parse().unwrap_or(x);
-    let along = |i: usize| format!("{} from {} to {}", ["x", "y", "z"][i], short(lower[i]), short(upper[i]));
+    let along = |i: usize| format!("{} from {} to {}", AXES[i], short(lower[i]), short(upper[i]));
     (0..D).map(along).collect::<Vec<_>>().join(", ")
 }

@@ -72,7 +72,7 @@ impl Origin {
     /// A warning if `time.start` is neither that of the run nor the `time` from which this case goes on.
     fn misunderstood_start<const D: usize>(&self, case: &Case<D>, time: f64) -> Result<Option<String>, RestartError> {
         let there = start_of(&self.result.metadata.case_text).map_err(|reason| self.unreadable(reason))?;
-        let (start, time, round_off) = (case.time.start, rounded_time(time), 1e-9 * case.time.step);
+        let (start, time, round_off) = (case.time.start, rounded_time(time), case.time.round_off());
         let is_meant = |other: f64| (start - other).abs() <= round_off;
         Ok((start != 0.0 && !is_meant(there) && !is_meant(time)).then(|| {
             format!(

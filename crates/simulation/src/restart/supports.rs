@@ -6,6 +6,7 @@ use crate::build::{StructureAtStart, structure_at_start};
 use crate::motion_jump::{self, MOMENT};
 use case::Case;
 use coupled::{State, rounded_time};
+use tensor::AXES;
 
 /// How far a support may be from its formula, relative to its displacement: positions are the quadrature of velocities.
 const DRIFT: f64 = 1e-3;
@@ -64,7 +65,7 @@ impl Origin {
         let fastest = there.iter().chain(&here).fold(0.0, |most: f64, v| most.max(v.abs()));
         let least = motion_jump::small(fastest, case.mesh.diameter(), case.time.step);
         let place = there.iter().zip(&here).position(|(there, here)| (there - here).abs() > least)?;
-        let (node, axis, path) = (place / D, ["x", "y", "z"][place % D], self.path.display());
+        let (node, axis, path) = (place / D, AXES[place % D], self.path.display());
         Some(format!(
             "a support of the structure changes its velocity at once at t = {}, which sends waves into structure and flow: along {axis} the point \
              at {:?} moves with {:.6} in `{path}`, and with {:.6} from here on",

@@ -1,5 +1,7 @@
 //! The numbers of a point of a wall, and their names.
 
+use tensor::AXES;
+
 /// A quantity: one number, or one for each axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Column {
@@ -41,7 +43,7 @@ impl Column {
             |axis: &&str| if self.name.is_empty() { (*axis).to_owned() } else { format!("{}_{axis}", self.name) };
         match self.components {
             1 => vec![self.name.to_owned()],
-            components => ["x", "y", "z"][..components].iter().map(named).collect(),
+            components => AXES[..components].iter().map(named).collect(),
         }
     }
 }

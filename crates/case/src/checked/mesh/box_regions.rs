@@ -8,6 +8,7 @@ use crate::raw::{Axis, BoxGenerator, Formula};
 use crate::vector::Vector;
 use ::mesh::generate::{BoxRegion, Segment};
 use ::mesh::{BoxMesh, Mesh, MeshError, REST};
+use tensor::AXES;
 
 /// What a map must be.
 const A_MAP: &str = "a map that neither folds nor mirrors the box, and sends different points to different places (with a mirror one axis reversed, \
@@ -52,7 +53,7 @@ fn number<const D: usize>(family: &Family<'_>, axis: Axis, ratios: [f64; D]) -> 
 }
 
 fn key_of_segments(family: &Family<'_>, axis: usize) -> Key {
-    family.key.child("segments").child(["x", "y", "z"][axis])
+    family.key.child("segments").child(AXES[axis])
 }
 
 fn region<const D: usize>(family: &Family<'_>, raw: &BoxGenerator, name: &str) -> Checked<BoxRegion<D>> {

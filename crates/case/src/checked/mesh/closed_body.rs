@@ -17,9 +17,6 @@ const PARAMETERS: &[(&str, &str)] = &[
     ("the number of cells outwards", "cells.1"),
 ];
 
-/// The most points of a body. The spline through them takes memory that grows with the square of their number.
-const MOST_POINTS: usize = 2000;
-
 /// The requirements on a body, for the error of an inverted cell.
 const REMEDY: &str = "a smooth closed curve that does not cross itself and is at most slightly concave, with points in order; more \
                       `cells` around, a smaller `first_cell`, a larger `outer_radius`, or a higher order; for other bodies a file of Gmsh, `mesh.file`";
@@ -46,9 +43,5 @@ fn body(family: &Family<'_>, points: &BodyPoints) -> Checked<ClosedCurve> {
             point_file::read(&checker.beside_case(file)).map_err(|cause| checker.error(&key, *cause))?
         }
     };
-    if points.len() > MOST_POINTS {
-        let problem = format!("the number of points is {}", points.len());
-        return Err(checker.combination(&key, &problem, &format!("at most {MOST_POINTS} points")));
-    }
     ClosedCurve::through(&points).map_err(|error| family.refused_at(&key, error))
 }

@@ -1,7 +1,6 @@
 //! Directions of pictures in space. Rays are parallel.
 
-use super::cuboid::Cuboid;
-use crate::pictures::window::Extent;
+use super::super::bounds::{Cuboid, Extent};
 use tensor::{cross, dot};
 
 /// A direction from which surfaces are seen.

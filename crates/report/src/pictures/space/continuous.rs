@@ -3,7 +3,7 @@
 //! The velocity gradient jumps between cells, and an iso-surface of its Q would have gaps there. At nodes of the flow that several cells share
 //! Q takes the mean of their values. Inside a cell it is the polynomial through its nodes.
 
-use super::cuboid::in_space;
+use super::super::bounds::in_space;
 use super::places::Places;
 use crate::pictures::snapshot::Snapshot;
 use rayon::prelude::*;

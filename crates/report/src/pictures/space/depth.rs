@@ -131,8 +131,8 @@ fn darkness(camera: &Camera, normal: &[f64; 3]) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::cuboid::Cuboid;
     use super::*;
+    use crate::pictures::bounds::Cuboid;
 
     /// The square [-half, half]^2 at a height z, with normals along z and the value z.
     fn square(half: f64, z: f64) -> TriangleSurface {

@@ -9,7 +9,7 @@
 //! Regions without vortices do not count, however large they are. All times have the same weight. Boundary layers on curved walls also have
 //! positive Q, larger than that of wakes; with a smaller part the wakes would be invisible.
 
-use super::cuboid::{Cuboid, in_space};
+use super::super::bounds::{Cuboid, in_space};
 use super::region::PictureRegion;
 use crate::pictures::scheme::PARTS;
 use crate::pictures::snapshot::Snapshot;
@@ -131,7 +131,7 @@ fn part_above<const D: usize, const M: usize>(snapshot: &Snapshot<D>, cell: usiz
     let q = snapshot.q_criterion::<M>(cell, fineness).unwrap_or_default();
     let points = snapshot.points(cell, fineness);
     let above = Cuboid::of(points.iter().zip(&q).filter(|(_, q)| **q >= level).map(|(x, _)| in_space(x)));
-    above.grown(0.5 * Cuboid::of_cell(snapshot, cell).length() / PARTS[fineness] as f64)
+    above.grown([0.5 * Cuboid::of_cell(snapshot, cell).length() / PARTS[fineness] as f64; 3])
 }
 
 /// A number with two digits, as the page shows it.

@@ -2,7 +2,6 @@
 
 mod camera;
 mod continuous;
-mod cuboid;
 mod depth;
 mod iso_surface;
 mod level;
@@ -11,8 +10,8 @@ mod region;
 mod surface;
 mod wall;
 
+use super::bounds::{Cuboid, in_space};
 pub use camera::Camera;
-pub use cuboid::{Cuboid, in_space};
 pub use depth::DARKEST;
 pub use region::PictureRegion;
 

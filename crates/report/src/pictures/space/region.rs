@@ -1,6 +1,6 @@
 //! The part of the flow that pictures in space show.
 
-use super::cuboid::{Cuboid, in_space};
+use super::super::bounds::{Cuboid, in_space};
 use crate::pictures::snapshot::Snapshot;
 use crate::pictures::track::face_points;
 use output::ResultReader;
@@ -51,7 +51,7 @@ impl PictureRegion {
         let meets = |cell: &usize| {
             let around = Cuboid::of_cell(snapshot, *cell);
             // A curved cell may extend beyond the box of its nodes.
-            !around.grown(0.1 * around.length()).intersection(self.outer).is_empty()
+            !around.grown([0.1 * around.length(); 3]).intersection(self.outer).is_empty()
         };
         (0..snapshot.cells()).filter(meets)
     }
@@ -86,7 +86,7 @@ fn around_bodies(domain: Cuboid, walls: &[Cuboid], reach: f64) -> Cuboid {
     if bodies.is_empty() || bodies.length() > BODY * domain.length() {
         return domain;
     }
-    bodies.grown(reach * bodies.length()).intersection(domain)
+    bodies.grown([reach * bodies.length(); 3]).intersection(domain)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Surfaces of triangles in space.
 
-use super::cuboid::Cuboid;
+use super::super::bounds::Cuboid;
 use super::places::Places;
 use tensor::norm;
 

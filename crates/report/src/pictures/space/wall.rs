@@ -1,6 +1,6 @@
 //! Walls as surfaces.
 
-use super::cuboid::in_space;
+use super::super::bounds::in_space;
 use super::surface::TriangleSurface;
 use crate::pictures::scheme::PARTS;
 use crate::pictures::snapshot::Snapshot;

@@ -2,6 +2,7 @@
 
 use super::super::table::Table;
 use case::{Averages, Case, Observed};
+use tensor::AXES;
 
 /// The table of all, if there are any.
 pub(super) fn table<const D: usize>(case: &Case<D>) -> Option<Table> {
@@ -34,7 +35,7 @@ fn add_averages(table: &mut Table, averages: &Averages, end: f64) {
     let to = averages.to.map_or(end, |to| to.min(end)).max(averages.from);
     table.row("averages from", averages.from, "").row("averages to", to, "");
     if !averages.along.is_empty() {
-        let axes: Vec<&str> = averages.along.iter().map(|&axis| ["x", "y", "z"][axis]).collect();
+        let axes: Vec<&str> = averages.along.iter().map(|&axis| AXES[axis]).collect();
         table.row("averages along", axes.join(", "), "in averages_along.csv");
     }
     if let Some(phases) = averages.phases {
