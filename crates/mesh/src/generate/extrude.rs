@@ -231,7 +231,7 @@ mod tests {
         assert_eq!(named.extruded(&extrusion(1, false)).unwrap_err(), MeshError::NameOfEnd { name: "back".to_owned() });
         // Layers that rounding makes uneven were a mesh.
         let far = Extrusion { lower: 1e9, depth: 1e-7, ..extrusion(4, false) };
-        assert!(matches!(mesh.extruded(&far), Err(MeshError::Parameter { quantity: "the height of a layer", .. })));
+        assert!(matches!(plane.extruded(&far), Err(MeshError::Parameter { quantity: "the height of a layer", .. })));
         assert!(named.extruded(&extrusion(1, true)).is_ok());
     }
 }

@@ -47,6 +47,11 @@ impl MeshLists {
     pub fn element_place(&self, index: usize) -> String {
         place(&self.element_places, index, "element")
     }
+
+    /// The place of a node in the file, by its index.
+    pub fn node_place(&self, index: usize) -> String {
+        place(&self.node_places, index, "node")
+    }
 }
 
 /// The mesh of `lists`.
