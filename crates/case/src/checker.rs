@@ -130,8 +130,12 @@ impl<'a> Checker<'a> {
 
     /// Whether the mesh is an elastic body, or is moved as one.
     pub(super) fn is_elastic(&self) -> bool {
-        let has = |key: &str| self.document.position(&Key::new(key)).is_some();
-        has("structure") || has("motion.boundary")
+        self.is_given("structure") || self.is_given("motion.boundary")
+    }
+
+    /// Whether the document has a key, which has no default then.
+    pub(super) fn is_given(&self, key: &str) -> bool {
+        self.document.position(&Key::new(key)).is_some()
     }
 
     /// The constants of formulas, in words, since the error of a formula may come from one of them. Empty if there are none.

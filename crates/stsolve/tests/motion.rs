@@ -51,15 +51,18 @@ fn a_mesh_moves_without_controls_and_not_without_its_flow() {
 fn driven_bodies_move_the_mesh() {
     let directory = TempDir::new().unwrap();
     let driven = "bodies.cylinder.y={motion=\"5*t^2\"}";
-    let outcome = on_case(directory.path(), "motion", "cylinder_viv", &[driven, "time.end=1.1"], "valid", &[]);
-    outcome.expect(0, &["valid until t = 1.1:"]);
-    on_case(directory.path(), "motion", "cylinder_viv", &[driven, "time.end=2"], "folded", &[])
-        .expect(1, &["inverted"]);
+    let motion = |output: &str, set: &[&str]| {
+        let case = shipped("cylinder_viv.toml");
+        let mut arguments = vec!["motion", &case, "--output", output, "--set", driven];
+        set.iter().for_each(|set| arguments.extend(["--set", set]));
+        stsolve(directory.path(), &arguments)
+    };
+    motion("valid", &["time.end=1.1"]).expect(0, &["valid until t = 1.1:"]);
+    motion("folded", &["time.end=2"]).expect(1, &["inverted"]);
     let first = number(&summary(&directory.path().join("folded")), "mesh_quality.first_invalid_time");
     assert!((1.1..1.24).contains(&first), "{first}");
-    let free = "bodies.cylinder.x={spring=1}";
-    let outcome = on_case(directory.path(), "motion", "cylinder_viv", &[driven, free, "time.end=1.1"], "free", &[]);
-    outcome.expect(0, &["valid until t = 1.1, while all that the flow moves rests"]);
+    let free = motion("free", &["time.end=1.1", "bodies.cylinder.x={spring=1}"]);
+    free.expect(0, &["valid until t = 1.1, while all that the flow moves rests"]);
 }
 
 #[test]

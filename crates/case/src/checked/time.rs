@@ -211,6 +211,8 @@ pub(super) fn check_fields(
     has_flow: bool,
     has_structure: bool,
 ) -> Checked<()> {
+    // The default fields are those of a flow.
+    let is_given = checker.is_given("output.fields");
     let needs_flow = |field: &Field| Field::OF_FLOW.contains(field) || *field == Field::Vorticity;
     for (index, field) in fields.iter().enumerate() {
         let key = Key::new("output.fields").entry(index);
@@ -218,7 +220,7 @@ pub(super) fn check_fields(
             let problem = "the case has no structure, and this is a field of one";
             return Err(checker.combination(&key, problem, "a field of the flow, or a section [structure]"));
         }
-        if needs_flow(field) && !has_flow {
+        if needs_flow(field) && !has_flow && is_given {
             let problem = "the case has no flow, and this is a field of one";
             return Err(checker.combination(
                 &key,

@@ -151,8 +151,9 @@ pub(super) fn slab_length<const D: usize>(facts: &Facts<'_, D>) -> Option<Warnin
 pub(super) fn passages<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
     let (case, time) = (facts.case, &facts.case.time);
     let longest = time.order as f64 * flow.time_unit();
-    // A steady start makes slabs of its own, and slabs that adapt find their length.
-    if time.step <= longest || case.solver.steady.is_some() || time.control.is_some() {
+    // A flow that repeats itself may be marched to its steady state. A steady start makes slabs of its own, and slabs that adapt find their length.
+    let is_open = flow.boundary.iter().any(|data| !data.condition.is_solid());
+    if time.step <= longest || !is_open || case.solver.steady.is_some() || time.control.is_some() {
         return None;
     }
     let text = format!(
