@@ -67,7 +67,7 @@ pub(super) fn mesh<const D: usize>(
         nodes: "the nodes of the file",
         boundary: "boundary",
         name_it: "every face without a neighbour must belong to a boundary condition",
-        list_once: "leave it in one boundary condition; lists of vertices also contain the faces between their planes: save conditions by faces (GridLocation FaceCenter)",
+        list_once: "leave it in one boundary condition",
         take_out: "take it out of the boundary condition, or put the cells on its two sides into different regions",
     };
     convert::mesh(&file(lists)?, periodic, simplices).map_err(|error| words.tell(error))

@@ -62,8 +62,7 @@ fn messages_name_the_place() {
                 lists.names.push("lid".into());
                 lists.elements.push(ListedElement { names: vec![2], ..lists.elements[2].clone() });
             }),
-            "cell 5: face 1 of cell 0 is listed in boundary \"wall\" and in boundary \"lid\": leave it in one boundary condition; \
-             lists of vertices also contain the faces between their planes: save conditions by faces (GridLocation FaceCenter)",
+            "cell 5: face 1 of cell 0 is listed in boundary \"wall\" and in boundary \"lid\": leave it in one boundary condition",
         ),
         (message(|lists| lists.elements.clear()), "the file has 0 elements of surfaces"),
     ];
