@@ -104,9 +104,14 @@ pub fn differences_after(before: &str, now: &str, reached: f64) -> Result<Differ
     let (before, now) = (from_toml(before)?, from_toml(now)?);
     let mut lasting_now = lasting(&now);
     continued_tables::take_back(&mut lasting_now, &before, reached);
+    // A constant that the formulas of one case alone contain is told by these formulas.
+    let is_of_one =
+        |found: &Difference| found.key.starts_with("constants.") && (found.before.is_none() || found.now.is_none());
+    let mut lasting = compared(&lasting(&before), &lasting_now);
+    lasting.retain(|found| !is_of_one(found));
     Ok(Differences {
         all: compared(&before, &now),
-        lasting: compared(&lasting(&before), &lasting_now),
+        lasting,
         longer_tables: continued_tables::longer(&lasting_now, &before, reached),
     })
 }

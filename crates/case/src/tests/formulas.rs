@@ -76,8 +76,12 @@ fn a_name_that_has_no_meaning_at_a_place_is_told_so() {
 /// `--set constants.amplitud=2` was a new constant, and the run that of the file.
 #[test]
 fn a_constant_that_only_an_option_has_must_be_of_use() {
-    let message = check_text(BASE, &["constants.aa=2"]).unwrap_err().to_string();
-    assert!(message.contains("`aa`") && message.contains("did you mean `a`?"), "{message}");
+    let text = BASE.replace("b =", "amplitude =");
+    let message = check_text(&text, &["constants.amplitud=2"]).unwrap_err().to_string();
+    assert!(
+        message.contains("in no formula: `amplitud`") && message.contains("did you mean `amplitude`?"),
+        "{message}"
+    );
     let used = plane(BASE, &["constants.speed=2", "flow.initial.uniform.velocity=[\"0.25*speed\",0]"]);
     assert_eq!(used.about.unused, ["b"]);
 }
