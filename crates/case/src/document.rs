@@ -109,14 +109,16 @@ impl Document {
 
     /// Whether an option, and not the file, has the key.
     pub(super) fn is_only_an_option(&self, key: &Key) -> bool {
-        let alone = Document { path: self.path.clone(), texts: self.texts[..1].to_vec() };
-        alone.position(key).is_none() && self.position(key).is_some()
+        self.without_options().position(key).is_none() && self.position(key).is_some()
     }
 
     /// The names in the table `section` of the file.
     pub(super) fn names_in_file(&self, section: &str) -> Vec<String> {
-        let alone = Document { path: self.path.clone(), texts: self.texts[..1].to_vec() };
-        alone.find(&Key::new(section)).names
+        self.without_options().find(&Key::new(section)).names
+    }
+
+    fn without_options(&self) -> Document {
+        Document { path: self.path.clone(), texts: self.texts[..1].to_vec() }
     }
 
     /// The file with the options written over it. It is parsed anew for each use, because it borrows from the text.

@@ -1,7 +1,7 @@
 //! The geometry of a boundary at its C0 nodes: normals and axes.
 
 use crate::facet::{axis_and_side, face_nodes, outward_sign};
-use crate::periodic::{LAST_PLACES, last_place};
+use crate::periodic::gap_tolerance;
 use crate::{BoundaryFacet, CellMap, Mesh, MeshError, NodeNumbering, Side};
 use basis::gauss_lobatto;
 use std::array::from_fn;
@@ -10,9 +10,6 @@ use tensor::{cofactor, norm};
 
 /// A mean of unit normals shorter than this has no usable direction.
 const NO_DIRECTION: f64 = 1e-8;
-
-/// A facet is plane if its nodes are within this part of the diameter of the mesh, or within their rounding: files carry about ten digits.
-const PLANE: f64 = 1e-9;
 
 impl<const D: usize> Mesh<D> {
     /// The unit normal, out of the domain, at every C0 node of `boundary`:
@@ -63,8 +60,7 @@ impl<const D: usize> Mesh<D> {
         numbering: &NodeNumbering,
         boundary: usize,
     ) -> Result<BTreeMap<usize, [bool; D]>, MeshError> {
-        let rounding = LAST_PLACES * last_place::<D>(&self.coordinates);
-        let tolerance = (PLANE * self.diameter()).max(rounding);
+        let tolerance = gap_tolerance(self);
         let mut axes: BTreeMap<usize, [bool; D]> = BTreeMap::new();
         for side in self.sides_of(boundary) {
             let positions = self.face_positions(side);

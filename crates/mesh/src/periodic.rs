@@ -125,7 +125,7 @@ fn check_gap<const D: usize>(
 }
 
 /// How far the nodes of neighbours may be apart: not less than the rounding of their coordinates.
-fn gap_tolerance<const D: usize>(mesh: &Mesh<D>) -> f64 {
+pub(crate) fn gap_tolerance<const D: usize>(mesh: &Mesh<D>) -> f64 {
     (TOLERANCE * mesh.diameter()).max(LAST_PLACES * last_place::<D>(&mesh.coordinates))
 }
 
