@@ -123,8 +123,8 @@ pub enum Riemann {
     #[default]
     Roe,
     /// The same for flows that are slow beside sound, at Mach numbers below 0.3: waves of sound damp jumps of the velocity with `flow.reference.speed`
-    /// instead of the speed of sound. Vortices on a coarse mesh lose less. A flow that the mesh does not resolve may need the stronger damping of
-    /// "roe".
+    /// instead of the speed of sound. Vortices on a coarse mesh lose less. Shear along the mesh needs a split form of `volume_flux` beside it. A flow that
+    /// the mesh does not resolve may need the stronger damping of "roe". Conditions of boundaries take "roe".
     LowMachRoe,
     /// Three waves; preserves contacts and shear layers.
     Hllc,

@@ -45,6 +45,7 @@ pub struct Outflow {
     pub velocity: Option<Vec<Formula>>,
     /// The time constant with which the normal velocity outside follows the mean normal velocity of the gas on the boundary, which must be
     /// plane, and must not turn. Its value at the start is `velocity`, without `t` and controls; a profile keeps its shape. The mean pressure returns to
-    /// `pressure` in this time. Sound whose period is much shorter leaves.
+    /// `pressure` in one to two times this time, behind a reservoir in 1 + 1/M times, with the Mach number M. Sound whose period is much shorter leaves. A
+    /// steady start does not move the velocity outside.
     pub relaxation: Option<f64>,
 }

@@ -132,9 +132,9 @@ pub struct CoupledSlab<const D: usize, const M: usize> {
     jacobian: Jacobian,
     /// The boundary layer for an easier initial state.
     pub start_layer: StartLayer,
-    /// Whether the caller can go on in a more robust way. Then an attempt at a slab of an unresolved flow gives up early, and is not followed by
-    /// shorter ones.
-    pub gives_way: bool,
+    /// The longest slab at which the solver gives way, if the caller can go on in a more robust way. An attempt at such a slab of an unresolved
+    /// flow gives up early, and is not followed by shorter ones. Longer slabs are halved first: they may fail because they are long.
+    pub gives_way: Option<f64>,
     /// Whether the solver gives way, and the mesh does not resolve the flow at the bottom of the slab.
     unresolved: bool,
     workspace: Workspace,
@@ -160,7 +160,7 @@ impl<const D: usize, const M: usize> FlowMarch<D, M> {
             predictor,
             jacobian,
             start_layer,
-            gives_way: false,
+            gives_way: None,
             unresolved: false,
             workspace,
         };
@@ -198,7 +198,8 @@ impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
     type Report = SlabReport<M>;
 
     fn solve(&mut self, state: &State, interval: Interval) -> Result<Solved<M>, SlabError> {
-        self.unresolved = self.gives_way && is_unresolved(&self.system.flow.operator, &state.u);
+        let may_give_way = self.gives_way.is_some_and(|longest| interval.length() <= longest);
+        self.unresolved = may_give_way && is_unresolved(&self.system.flow.operator, &state.u);
         let (mut z, references) = self.guess(state, interval)?;
         let settings = self.settings(state);
         let report = self.newton(&mut z, &references, &settings).map_err(|source| self.cause(&z, source))?;

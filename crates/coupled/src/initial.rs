@@ -5,7 +5,8 @@
 //! ```
 //!
 //! The sum is over the faces f of a cell at which u_0 jumps between this cell and the next. x_f is the point of the face on the same line
-//! of nodes. Along the line s_f grows from 0 at the face to 1 at the opposite face. The vector e is short and points out of the cell.
+//! of nodes. Along the line s_f grows from 0 at the face to 1 at the opposite face. The vector e is short and points out of the cell. Across a
+//! periodic boundary x_f + e is in the cell there: formulas need not be periodic.
 //!
 //! So the state begins continuous and without overshoots: Newton's method hardly solves the first slabs of a jump. Between cells of equal
 //! size the integral of u is that of u_0, because their g_f are opposite.
@@ -41,7 +42,8 @@ pub fn interpolate<const D: usize, const M: usize>(
         let at = |i: usize| from_fn(|d| x[d * n + i]);
         let given = |x: &[f64; D]| field.value(x, t);
         let faces = (0..2 * D).filter(|face| operator.has_neighbour(cell, *face)).collect::<Vec<_>>();
-        let states = CellStart { nodes: &nodes, at: &at, given: &given }.states(&faces);
+        let period = |face: usize| operator.period_across(cell, face);
+        let states = CellStart { nodes: &nodes, at: &at, period: &period, given: &given }.states(&faces);
         put(&layout, cell, &states, &mut u);
     }
     u
@@ -60,6 +62,8 @@ struct CellStart<'a, const D: usize, const M: usize> {
     nodes: &'a [f64],
     /// The position of a node.
     at: &'a dyn Fn(usize) -> [f64; D],
+    /// How far the other side of a face is, by the period of the mesh.
+    period: &'a dyn Fn(usize) -> [f64; D],
     /// u_0.
     given: &'a dyn Fn(&[f64; D]) -> [f64; M],
 }
@@ -95,17 +99,17 @@ impl<const D: usize, const M: usize> CellStart<'_, D, M> {
 
     /// The nodes of `face` at which u_0 jumps.
     fn jumps(&self, face: usize) -> Vec<Jump<M>> {
-        let (axis, _) = mesh::axis_and_side(face);
+        let ((axis, _), period) = (mesh::axis_and_side(face), (self.period)(face));
         let nodes = mesh::face_nodes(D, self.nodes.len(), face).into_iter();
-        nodes.filter_map(|node| Some(Jump { node, axis, half: self.half_jump(node, axis)? })).collect()
+        nodes.filter_map(|node| Some(Jump { node, axis, half: self.half_jump(node, axis, &period)? })).collect()
     }
 
-    /// g_f at a node of a face normal to `axis`, if u_0 jumps there.
-    fn half_jump(&self, node: usize, axis: usize) -> Option<[f64; M]> {
+    /// g_f at a node of a face normal to `axis`, if u_0 jumps there. The other side lies a `period` away.
+    fn half_jump(&self, node: usize, axis: usize, period: &[f64; D]) -> Option<[f64; M]> {
         let x = (self.at)(node);
         let beside = |size: f64| {
             let e = self.inward(node, axis, size);
-            [1.0, -1.0].map(|sign| (self.given)(&moved(&x, &e, sign)))
+            [moved(&x, &e, 1.0), moved(&moved(&x, &e, -1.0), period, 1.0)].map(|x| (self.given)(&x))
         };
         let change = |[a, b]: &[[f64; M]; 2], m: usize| (a[m] - b[m]).abs();
         let changes = |pair: &[[f64; M]; 2], m: usize| change(pair, m) > LEAST * (pair[0][m].abs() + pair[1][m].abs());

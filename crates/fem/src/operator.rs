@@ -20,8 +20,13 @@ use crate::time_points::Clock;
 use crate::traces::{FaceMaps, Traced, Traces};
 use crate::wall_loads::NodalLoads;
 use basis::Matrix;
+use mesh::{Side, face_nodes};
+use std::array::from_fn;
 use std::sync::Arc;
-use tensor::{Pack, WIDTH};
+use tensor::{Pack, WIDTH, norm};
+
+/// Faces of two cells that lie apart by more than this part of a cell are those of a periodic boundary.
+const LEAST_PERIOD: f64 = 1e-3;
 
 /// The data of a slab operator.
 pub struct Problem<const D: usize, const M: usize> {
@@ -144,6 +149,34 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Whether another cell lies behind `face` of an own cell.
     pub fn has_neighbour(&self, cell: usize, face: usize) -> bool {
         self.facets.is_interior(cell * 2 * D + face)
+    }
+
+    /// The other side of a face; on a boundary the face itself.
+    pub(crate) fn across_face(&self, cell: usize, face: usize) -> Side {
+        let (slot, side) = self.facets.of_face[cell * 2 * D + face];
+        let (batch, lane) = (&self.facets.batches[slot as usize / WIDTH], slot as usize % WIDTH);
+        if side == 0 { batch.plus[lane].0 } else { batch.minus[lane] }
+    }
+
+    /// How far the other side of `face` of an own cell lies from it at the bottom of the slab: by the period across a periodic boundary, else
+    /// not at all.
+    pub fn period_across(&self, cell: usize, face: usize) -> [f64; D] {
+        let across = self.across_face(cell, face);
+        let [here, there] =
+            [(cell, face), (across.cell, across.face)].map(|(cell, face)| self.centre_of_face(cell, face));
+        let difference = |a: [f64; D], b: [f64; D]| -> [f64; D] { from_fn(|d| a[d] - b[d]) };
+        let size = norm(&difference(here, self.centre_of_face(cell, face ^ 1)));
+        let apart = difference(there, here);
+        if norm(&apart) > LEAST_PERIOD * size { apart } else { [0.0; D] }
+    }
+
+    /// The mean of the nodes of a face at the bottom of the slab.
+    fn centre_of_face(&self, cell: usize, face: usize) -> [f64; D] {
+        let mut position = vec![0.0; self.mesh.slot_len()];
+        self.mesh.positions(cell, self.tables.bottom_row().row(0), &mut position);
+        let on_face = face_nodes(D, self.tables.orders.mesh, face);
+        let nodes = position.len() / D;
+        from_fn(|d| on_face.iter().map(|&i| position[d * nodes + i]).sum::<f64>() / on_face.len() as f64)
     }
 
     /// The row of positions at the top of the slab.

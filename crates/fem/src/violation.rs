@@ -3,7 +3,7 @@
 use crate::operator::{SlabOperator, Violation};
 use crate::share::Share;
 use crate::tables::Shape1d;
-use tensor::{WIDTH, det};
+use tensor::det;
 
 /// The polynomials of mesh and flow at the quadrature points and the ends of a direction. In a cell these are all points at
 /// which kernels evaluate the state, including its faces.
@@ -18,7 +18,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// faces.
     pub(crate) fn describe_violation(&self, cell: usize) -> Violation {
         let points = self.points();
-        let around = std::iter::once(cell).chain((0..2 * D).map(|face| self.across_face(cell, face)));
+        let around = std::iter::once(cell).chain((0..2 * D).map(|face| self.across_face(cell, face).cell));
         let (quantity, time) = ("residual (not a number)".to_string(), self.clock().time(0.0));
         let nothing = || Violation { quantity, value: f64::NAN, cell: self.in_whole(cell), time };
         around.into_iter().find_map(|cell| self.violation_in(&points, cell)).unwrap_or_else(nothing)
@@ -34,13 +34,6 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let points = [&[-1.0], &self.tables.rule.points[..], &[1.0]].concat();
         let line = |order: usize| Shape1d::new(order, &points);
         Points { mesh: line(orders.mesh), flow: line(orders.flow), per_direction: points.len() }
-    }
-
-    /// The cell on the other side of a face; on a boundary the cell itself.
-    fn across_face(&self, cell: usize, face: usize) -> usize {
-        let (slot, side) = self.facets.of_face[cell * 2 * D + face];
-        let (batch, lane) = (&self.facets.batches[slot as usize / WIDTH], slot as usize % WIDTH);
-        if side == 0 { batch.plus[lane].0.cell } else { batch.minus[lane].cell }
     }
 
     fn violation_in(&self, points: &Points, cell: usize) -> Option<Violation> {

@@ -95,10 +95,14 @@ where
     Ok(march)
 }
 
-/// Whether a run goes on in a split form if an unresolved flow cannot be solved. Shocks are not resolved on purpose: their artificial viscosity
-/// may do with shorter slabs.
-pub fn gives_way<const D: usize>(case: &Case<D>, flow: &Flow<D>) -> bool {
-    split_form(case, flow).is_some() && flow.law.shock_capturing.is_none()
+/// In a longer slab, in time units of the flow, Newton's method may fail in a flow that the mesh resolves.
+const LONG_SLAB: f64 = 0.2;
+
+/// The longest slab at which a run goes on in a split form at once if an unresolved flow cannot be solved. Shocks are not resolved on purpose:
+/// their artificial viscosity may do with shorter slabs.
+pub fn gives_way<const D: usize>(case: &Case<D>, flow: &Flow<D>) -> Option<f64> {
+    let may = split_form(case, flow).is_some() && flow.law.shock_capturing.is_none();
+    may.then(|| LONG_SLAB * flow.time_unit())
 }
 
 /// The system of a slab: the flow of `operator`, the mesh, and what the flow moves.

@@ -28,6 +28,7 @@
 //! | `body_checks`, `body_record` | what is doubtful about rigid bodies; what bodies have done so far |
 //! | `controls` | numbers in formulas that the run changes |
 //! | `steady_search`, `fallback` | the search for the steady flow; how a run goes on in a more robust way |
+//! | `steady_warnings` | what that search cannot determine |
 //! | `preflight` | what is known of a run before it starts, for callers of any dimension |
 //! | `probe` | the cost of a run and the validity of its mesh, estimated beforehand |
 //! | `memory_estimate` | the memory of a run, estimated beforehand |
@@ -183,6 +184,7 @@ mod session;
 mod slices;
 mod statistics;
 mod steady_search;
+mod steady_warnings;
 mod stored_field;
 mod structure_run;
 mod summary;
@@ -209,5 +211,6 @@ pub use openings::{Misuse, Record as OpeningRecord, Seen as OpeningSeen};
 pub use preflight::Preflight;
 pub use probe::{MeshOverRun, ProbeError, Timing};
 pub use record::LOG_FILE;
+pub use steady_warnings::undetermined;
 pub use stored_field::StoredField;
 pub use surfaces::{Column as SurfaceColumn, columns as surface_columns, surface_name};

@@ -17,7 +17,7 @@ use super::statistics::RunStatistics;
 use super::{bodies, checkpoint, motion_jump, surfaces};
 use crate::crew::OfCells;
 use crate::error::Failure;
-use case::{AllowedChange, Case, Differences, Flow, Time, bodies_of, differences, motion_of, reference_pressure_of};
+use case::{AllowedChange, Case, Differences, Flow, Time, bodies_of, differences, motion_of, reference_of};
 use changes::Changes;
 use coupled::block::BodyState;
 use coupled::{MeshMotion, MeshMover, State, rounded_time};
@@ -102,6 +102,9 @@ struct Origin {
     stored: Checkpoint,
 }
 
+/// Temperatures that differ less are the same but for the digits of a case file.
+const SAME_TEMPERATURE: f64 = 1e-6;
+
 impl Origin {
     /// Its state, as a state of `case`.
     fn continued<const D: usize, const M: usize>(
@@ -127,7 +130,7 @@ impl Origin {
         warnings.extend(late);
         warnings.extend(averages::are_late(case, &sums, &state));
         if changes.pressure {
-            self.shift_pressure::<D, M>(flow, from.flow, &mut state)?;
+            warnings.extend(self.shift_pressure::<D, M>(flow, from.flow, &mut state)?);
         }
         if searches_anew {
             sums = RunStatistics::default().to_arrays();
@@ -257,16 +260,17 @@ impl Origin {
         Err(self.differs("coordinates of the bodies", told(&there), told(&here)))
     }
 
-    /// Raises the pressure everywhere by the difference of the reference pressures: rho E = p / (gamma - 1) + ...
+    /// Raises the pressure everywhere by the difference of the reference pressures: rho E = p / (gamma - 1) + ... Returns a warning if the
+    /// reference states have different temperatures: the gas then changes its own at once.
     fn shift_pressure<const D: usize, const M: usize>(
         &self,
         flow: &Flow<D>,
         order: usize,
         state: &mut State,
-    ) -> Result<(), RestartError> {
-        let there = reference_pressure_of::<D>(&self.result.metadata.case_text);
-        let there = there.map_err(|reason| self.unreadable(reason.to_string()))?;
-        let shift = (flow.reference_pressure() - there) / (flow.law.gas.gamma() - 1.0);
+    ) -> Result<Option<String>, RestartError> {
+        let there = reference_of::<D>(&self.result.metadata.case_text);
+        let [pressure, temperature] = there.map_err(|reason| self.unreadable(reason.to_string()))?;
+        let shift = (flow.reference_pressure() - pressure) / (flow.law.gas.gamma() - 1.0);
         let shifts: [f64; M] = Conserved { density: 0.0, momentum: [0.0; D], energy: shift }.pack();
         let nodes = order.pow(D as u32);
         let layout = Layout { cells: state.u.len() / (M * nodes), time_order: 1, components: M, nodes };
@@ -274,7 +278,21 @@ impl Origin {
         for (i, u) in state.u.iter_mut().enumerate().chain(past) {
             *u += shifts[layout.component_of(i)];
         }
-        Ok(())
+        Ok(self.change_of_temperature(flow, temperature))
+    }
+
+    /// A warning if the reference temperature is not the one `there`.
+    fn change_of_temperature<const D: usize>(&self, flow: &Flow<D>, there: f64) -> Option<String> {
+        let (reference, gas) = (&flow.law.reference, &flow.law.gas);
+        let here = reference.temperature(gas);
+        let kept = reference.density() * gas.gas_constant() * there;
+        ((here - there).abs() > SAME_TEMPERATURE * there).then(|| {
+            format!(
+                "the reference state has the temperature {here:.6}, and that of `{}` {there:.6}: with the gas constant of this case the temperature \
+                 of all gas changes at once; `flow.reference.pressure` = {kept:.6} keeps it",
+                self.path.display()
+            )
+        })
     }
 
     /// Checks that the motion of `case` continues the motion of the run: a jump of the position is refused. Returns warnings about jumps of

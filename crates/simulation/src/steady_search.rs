@@ -3,13 +3,15 @@
 use crate::body_checks::unheld_in_equilibrium;
 use crate::build;
 use crate::observer::Observer;
-use case::{BoundaryData, Case, Flow, Steady, SteadyBodies, Time};
+use crate::steady_warnings::{slides, undetermined};
+use case::{BoundaryData, Case, Flow, Steady, SteadyBodies, Time, is_along_axis};
 use coupled::{
     Discretisation, Equilibrium, FlowMarch, Invariants, NoEquilibrium, Search, Stage, SteadyError, SteadyFlow,
     find_equilibrium,
 };
 use navier_stokes::{Boundary, Compiled, NavierStokes};
 use ranks::Communicator;
+use std::array::from_fn;
 
 /// The length of the first slab of the search for an equilibrium, in time units of the flow.
 const FIRST_SLAB: f64 = 0.1;
@@ -72,6 +74,7 @@ where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
 {
     fn find(&mut self) -> anyhow::Result<Found<M>> {
+        undetermined(self.case).iter().for_each(|text| tracing::warn!("{text}"));
         let found = self.search();
         let stages = found.as_ref().map_or_else(|error| &error.stages, |found| &found.stages);
         stages.iter().for_each(|stage| self.observer.say(&told(stage)));
@@ -104,7 +107,7 @@ where
             time_unit,
             settings: steady.newton(time_unit),
             sequence: steady.sequence,
-            invariants: invariants(flow),
+            invariants: invariants(case, flow),
             stability_time: steady.stability_time,
             is_stopped,
         };
@@ -165,11 +168,13 @@ fn with_cause(error: NoEquilibrium) -> anyhow::Error {
 }
 
 /// What no boundary and no source can change.
-fn invariants<const D: usize>(flow: &Flow<D>) -> Invariants {
+fn invariants<const D: usize>(case: &Case<D>, flow: &Flow<D>) -> Invariants<D> {
     let every = |holds: fn(&BoundaryData<D>) -> bool| flow.boundary.iter().all(holds);
     let mass = flow.conserves_mass() && every(|data| data.condition.is_solid());
     let is_idle = mass && flow.source.is_none();
-    // A wall with data slides.
-    let energy = is_idle && every(|data| !matches!(data.condition, Boundary::IsothermalWall(_)) && data.data.is_none());
-    Invariants { mass, momentum: is_idle && flow.boundary.is_empty(), energy }
+    let is_smooth = every(|data| matches!(data.condition, Boundary::SlipWall(_) | Boundary::Symmetry(_)));
+    let is_free = |axis: usize| (0..flow.boundary.len()).all(|boundary| is_along_axis(&case.mesh, boundary, axis));
+    let momentum = from_fn(|axis| is_idle && is_smooth && is_free(axis));
+    let is_insulated = every(|data| !matches!(data.condition, Boundary::IsothermalWall(_)));
+    Invariants { mass, momentum, energy: is_idle && is_insulated && !flow.boundary.iter().any(slides) }
 }

@@ -278,6 +278,19 @@ fn a_column_that_buckles_is_told() {
     }
 }
 
+/// A beam that a force across it bends has lost stiffness along some displacements, and was told to buckle at 5.8 times that force.
+#[test]
+fn a_beam_that_bends_does_not_buckle() {
+    let directory = TempDir::new().unwrap();
+    run_of_column(directory.path(), (0.0, 0.01), "bent").expect(0, &[]);
+    let structure = &summary(&directory.path().join("bent"))["structure"];
+    println!("{structure}");
+    assert!(
+        structure["least_stiffness"].as_f64().unwrap() < 0.99 && structure.get("buckling_factor").is_none(),
+        "{structure}"
+    );
+}
+
 /// Natural frequencies were those of the body without loads alone. Exact are the roots of the frequency equation of a clamped beam with an axial
 /// force: E I w'''' + P w'' = rho A omega^2 w. At the tip w'' = 0 and E I w''' + P w' = 0.
 #[test]

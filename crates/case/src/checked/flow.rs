@@ -29,6 +29,8 @@ pub struct Flow<const D: usize> {
     pub order: usize,
     /// The gas, the numerical flux, the reference state.
     pub law: NavierStokes<D>,
+    /// `flow.gas.mach`, if the case gives it in place of a gas constant.
+    pub gas_mach: Option<f64>,
     /// A typical speed, that of the reference state.
     pub reference_speed: f64,
     /// A typical length, for coefficients and the Reynolds number.
@@ -223,6 +225,7 @@ fn assembled<const D: usize>(
             shock_capturing,
             wall_flux: wall_flux(raw.wall_flux),
         },
+        gas_mach: raw.gas.mach,
         reference_speed: speed,
         reference_length: length.unwrap_or(given::DEFAULT_LENGTH),
         time_length,

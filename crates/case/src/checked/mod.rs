@@ -57,10 +57,11 @@ pub use forces::Wall;
 pub use given_values::NotPositive;
 pub use motion::{Motion, Stiffness};
 pub use no_value::NoValue;
+pub use openings::is_along_axis;
 pub use parts::SolidPart;
 pub use probes::{Line, Observed, Probe, Slice, is_name_of_average};
 pub use resolved::{
-    bodies_of, freedoms_of, gas_of, motion_of, quadrature_of, ratio_of_specific_heats_of, reference_pressure_of,
+    bodies_of, freedoms_of, gas_of, motion_of, quadrature_of, ratio_of_specific_heats_of, reference_of,
     searches_steady_flow, start_of, structure_points_of, title_of, walls_of, walls_with_series_of,
 };
 pub use sliding_mesh::{Held, constrained};

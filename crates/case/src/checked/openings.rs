@@ -121,8 +121,6 @@ fn normal_of_plane<const D: usize>(checker: &Checker<'_>, key: &Key, nodes: &[No
 
 /// Whether two unit normals are the same up to round-off.
 pub(super) fn is_parallel<const D: usize>(a: &[f64; D], b: &[f64; D]) -> bool {
-    /// Round-off of normals.
-    const LITTLE: f64 = 1e-9;
     (dot(a, b) - 1.0).abs() < LITTLE
 }
 
@@ -172,8 +170,16 @@ pub(super) fn supersonic_inflow<const D: usize>(
     Ok(BoundaryData::by_state(Boundary::SupersonicInflow(SupersonicInflow), state))
 }
 
+/// Round-off of normals.
+const LITTLE: f64 = 1e-9;
+
 /// Position and outward unit normal of a node on a boundary.
 pub(super) type NodeAndNormal<const D: usize> = ([f64; D], [f64; D]);
+
+/// Whether a boundary lies along an axis everywhere: its normals have no component there.
+pub fn is_along_axis<const D: usize>(mesh: &Mesh<D>, boundary: usize, axis: usize) -> bool {
+    nodes_with_normals(mesh, boundary).iter().all(|(_, normal)| normal[axis].abs() < LITTLE)
+}
 
 /// Every node on a boundary of the mesh at rest.
 pub(super) fn nodes_with_normals<const D: usize>(mesh: &Mesh<D>, boundary: usize) -> Vec<NodeAndNormal<D>> {

@@ -155,16 +155,16 @@ pub fn motion_of<const D: usize>(resolved: &str, here: &Case<D>) -> Result<Optio
     })
 }
 
-/// The reference pressure of a resolved case in `D` dimensions with a flow.
+/// Pressure and temperature of the reference state of a resolved case in `D` dimensions with a flow.
 ///
 /// # Errors
 /// As [`motion_of`].
-pub fn reference_pressure_of<const D: usize>(resolved: &str) -> Result<f64, Box<CaseError>> {
+pub fn reference_of<const D: usize>(resolved: &str) -> Result<[f64; 2], Box<CaseError>> {
     with_checker(resolved, |checker, raw| {
         let key = Key::new("flow");
-        let missing = || checker.combination(&key, "there is no reference pressure without a flow", "a section [flow]");
+        let missing = || checker.combination(&key, "there is no reference state without a flow", "a section [flow]");
         let given = given::check::<D>(checker, &key, raw.flow.as_ref().ok_or_else(missing)?)?;
-        Ok(given.reference.pressure(&given.gas))
+        Ok([given.reference.pressure(&given.gas), given.reference.temperature(&given.gas)])
     })
 }
 
@@ -208,7 +208,10 @@ mod tests {
         let text = "mesh.file = \"nowhere.msh\"\ntime = { order = 2, end = 1, step = 0.1 }\n[flow]\norder = 2\n\
                     gas = { mach = 0.5 }\ninitial.uniform = { density = 1, velocity = [1, 0], pressure = 2 }\n\
                     reference = { density = 1, speed = 1, pressure = 3 }\n";
-        assert!((reference_pressure_of::<2>(text).unwrap() - 3.0).abs() < 1e-14);
+        let [pressure, temperature] = reference_of::<2>(text).unwrap();
+        // T = p / (rho R) with R = 1 / (gamma M^2).
+        let expected = 3.0 * 1.4 * 0.25;
+        assert!((pressure - 3.0).abs() < 1e-14 && (temperature - expected).abs() < 1e-14, "{pressure} {temperature}");
     }
 
     #[test]

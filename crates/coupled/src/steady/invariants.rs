@@ -23,12 +23,12 @@ const CORRECTIONS: usize = 8;
 const SAME: f64 = 1e-13;
 
 /// The totals of the initial state that no boundary and no source can change.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Invariants {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Invariants<const D: usize> {
     /// No gas can enter or leave.
     pub mass: bool,
-    /// Nothing exerts a force: there is no boundary.
-    pub momentum: bool,
+    /// Nothing exerts a force along these axes: there is no boundary, or frictionless ones along them.
+    pub momentum: [bool; D],
     /// Walls are adiabatic and do no work.
     pub energy: bool,
 }
@@ -67,10 +67,8 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
     /// (mass), (momentum) and (energy).
     fn correct(&self, layout: Layout, [wanted, found]: [&Totals<D>; 2], volume: f64, u: &mut [f64]) {
         let factor = wanted.density / found.density;
-        let mut velocity = [0.0; D];
-        if self.invariants.momentum {
-            velocity = from_fn(|i| (wanted.momentum[i] - factor * found.momentum[i]) / wanted.density);
-        }
+        let missing = |i: usize| (wanted.momentum[i] - factor * found.momentum[i]) / wanted.density;
+        let velocity = from_fn(|i| if self.invariants.momentum[i] { missing(i) } else { 0.0 });
         let missing = wanted.energy - changed(found, factor, &velocity).energy;
         let added = if self.invariants.energy { missing / volume } else { 0.0 };
         for (cell, i) in (0..layout.cells).flat_map(|cell| (0..layout.nodes).map(move |i| (cell, i))) {
@@ -82,18 +80,16 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
     }
 }
 
-impl Invariants {
+impl<const D: usize> Invariants<D> {
     /// The largest error of a total that is kept. Momentum counts relative to that of all gas at the speed of its thermal energy.
-    fn error<const D: usize>(self, wanted: &Totals<D>, found: &Totals<D>) -> f64 {
+    fn error(self, wanted: &Totals<D>, found: &Totals<D>) -> f64 {
         let thermal = (wanted.density * wanted.energy).sqrt();
-        let momenta =
-            found.momentum.iter().zip(wanted.momentum).map(|(found, wanted)| (found - wanted).abs() / thermal);
+        let momenta = (0..D).map(|i| (self.momentum[i], (found.momentum[i] - wanted.momentum[i]).abs() / thermal));
         let errors = [
             (self.mass, (found.density / wanted.density - 1.0).abs()),
-            (self.momentum, largest(momenta)),
             (self.energy, (found.energy / wanted.energy - 1.0).abs()),
         ];
-        largest(errors.into_iter().filter_map(|(is_kept, error)| is_kept.then_some(error)))
+        largest(errors.into_iter().chain(momenta).filter_map(|(is_kept, error)| is_kept.then_some(error)))
     }
 }
 

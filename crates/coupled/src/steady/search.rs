@@ -75,7 +75,7 @@ pub struct Search<'a, const D: usize, const M: usize> {
     /// Whether other discretisations may be tried.
     pub sequence: bool,
     /// The totals that the steady flow has from the initial state.
-    pub invariants: Invariants,
+    pub invariants: Invariants<D>,
     /// The time units for which the steady flow is marched in time, to see whether it is stable. `None`: the flow decides.
     pub stability_time: Option<f64>,
     /// Whether the search ends early, without a steady flow. A collective call, with the same answer on all ranks.

@@ -14,6 +14,10 @@
 //! q = 1 / (1 - mu)                                                                                           (buckling)
 //! ```
 //!
+//! K - K_0 consists of the effect of stresses and of that of rotations. A bent beam loses stiffness along some displacements because its sections
+//! have turned, by their rotation times its slenderness, and does not buckle. This loss is the same for the opposite displacement, whereas tension
+//! stiffens what compression makes softer. So there is a q only if the loss at -d is much smaller.
+//!
 //! Method: LOBPCG with one vector (Knyazev 2001). The low-order matrix of K_0 preconditions. Most eigenvalues of the pencil (K, K_0) are
 //! near one, so few iterations find the lowest.
 
@@ -24,6 +28,8 @@ use newton_krylov::inner_product::{Euclidean, InnerProduct};
 
 /// The change of mu in an iteration at which it has converged.
 const TOLERANCE: f64 = 1e-7;
+/// The loss of stiffness comes from rotations if this part of it is left after the opposite displacement.
+const OF_BENDING: f64 = 0.5;
 /// Iterations at most: several times those of a column of a hundred times its width.
 const MAX_ITERATIONS: usize = 100;
 
@@ -32,6 +38,8 @@ const MAX_ITERATIONS: usize = 100;
 pub struct Stability {
     /// mu of (stability), an upper bound: the least stiffness of the loaded body along any displacement, relative to that at rest.
     pub stiffness: f64,
+    /// The same after the opposite displacement.
+    pub reversed: f64,
 }
 
 impl Stability {
@@ -40,9 +48,10 @@ impl Stability {
         self.stiffness < 0.0
     }
 
-    /// q of (buckling); None if the loads make the body stiffer along every displacement.
+    /// q of (buckling); None if the loads make the body stiffer along every displacement, or bend it.
     pub fn buckling_factor(&self) -> Option<f64> {
-        (self.stiffness < 1.0 - TOLERANCE.sqrt()).then(|| 1.0 / (1.0 - self.stiffness))
+        let [loss, reversed] = [1.0 - self.stiffness, 1.0 - self.reversed];
+        (loss > TOLERANCE.sqrt() && reversed < OF_BENDING * loss).then(|| 1.0 / loss)
     }
 }
 
@@ -56,6 +65,12 @@ impl<const D: usize> Statics<D> {
         if !self.loads_change_stiffness() {
             return Ok(None);
         }
+        let opposite: Vec<f64> = d.iter().map(|d| -d).collect();
+        Ok(Some(Stability { stiffness: self.least_stiffness(d)?, reversed: self.least_stiffness(&opposite)? }))
+    }
+
+    /// mu of (stability) at the displacement `d`.
+    fn least_stiffness(&self, d: &[f64]) -> Result<f64, ElasticityError> {
         let structure = &self.structure;
         let pencil = Pencil {
             k: &|x, out| structure.apply_stiffness_at(d, x, out),
@@ -79,7 +94,7 @@ impl<const D: usize> Statics<D> {
             vectors.truncate(1);
             vectors.push(direction(&pencil, &old, &vectors[0]));
         }
-        Ok(Some(Stability { stiffness: mu }))
+        Ok(mu)
     }
 
     /// The `count` modes of lowest frequency of small vibrations about the stable equilibrium `d`, (modes) with K at `d`. As for

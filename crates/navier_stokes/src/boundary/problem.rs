@@ -37,7 +37,7 @@ impl<T: Over<G>, G: Real, const D: usize, const M: usize> InviscidProblem<T, G, 
         let (gas, n, v_n) = (&law.gas, at.normal, dot(at.velocity, at.normal));
         let state = match self {
             InviscidProblem::Wall => return wall_flux(law, minus, at),
-            InviscidProblem::Between(outside) => return law.riemann.flux(gas, minus, outside, n, v_n),
+            InviscidProblem::Between(outside) => return law.riemann.on_boundaries().flux(gas, minus, outside, n, v_n),
             InviscidProblem::OfState(state) => *state,
             InviscidProblem::Opening(opening) => opening.state(gas, &Primitive::unpack(gas, minus)),
         };

@@ -6,7 +6,7 @@ use crate::gas::Gas;
 use crate::state::{components, scaled};
 use tensor::{Over, Real, dot};
 
-/// Wave speeds below this fraction of the sound speed are smoothed.
+/// Wave speeds below this fraction of the sound speed are smoothed; for slow flows, of z c in (low Mach).
 const SMOOTHING: f64 = 1e-2;
 
 /// (F- + F+) / 2 - |A - v_n| (u+ - u-) / 2, with A the Jacobian of F_c . n at Roe's average. With a `speed` U of the flow
@@ -58,9 +58,10 @@ fn dissipation<T: Over<G>, G: Real, const D: usize, const M: usize>(
     let inverse = (c * c).recip();
     let relative = w_n.minus(v_n);
 
-    let width = c * SMOOTHING;
+    let sound = speed.map_or(c, |speed| slowed(c, relative, speed));
+    let width = sound * SMOOTHING;
     let convected = smooth_abs(relative, width);
-    let push = density * speed.map_or(c, |speed| slowed(c, relative, speed)) * w_n_jump;
+    let push = density * sound * w_n_jump;
     let left = smooth_abs(relative - c, width) * (p_jump - push) * inverse * 0.5;
     let right = smooth_abs(relative + c, width) * (p_jump + push) * inverse * 0.5;
     let entropy = convected * (plus.density - minus.density - p_jump * inverse);

@@ -54,7 +54,7 @@ where
 
 /// The warning about a steady flow, with the remedy.
 fn warning(reliability: &Reliability) -> Option<String> {
-    let stability = reliability.stability?;
+    let Some(stability) = reliability.stability else { return reliability.doubtful_residual().map(doubtful) };
     match (stability.is_unstable(), stability.is_undecided()) {
         (true, _) => Some(unstable(reliability, &stability)),
         (false, true) => Some(format!(
@@ -64,6 +64,14 @@ fn warning(reliability: &Reliability) -> Option<String> {
         )),
         (false, false) => None,
     }
+}
+
+/// The same where it was not marched in time.
+fn doubtful(residual: f64) -> String {
+    format!(
+        "the steady flow may not be resolved: its residual at the next higher order is {residual:.1e} of the inertial terms; a higher `flow.order` \
+         shows whether forces change, `solver.steady.stability_time` whether the flow is stable"
+    )
 }
 
 /// The same where it is unstable.

@@ -232,6 +232,10 @@ fn a_steady_flow_is_continued_to_another_viscosity_and_mach_number_if_that_is_al
     go(&faster, "mach").expect(0, &[]);
     go(&[&faster[..], &[&from]].concat(), "refused").expect(2, &["the gas", "mach"]);
     go(&[&faster[..], &[&from, "restart.allow=[\"mach\"]"]].concat(), "continued_mach").expect(0, &[]);
+    // The pressure of M = 0.1 with the gas constant of M = 0.3: the gas was hotter at once, without a word. The run need not succeed.
+    let hot = ["flow.reference={density=1,speed=1,pressure=71.428571428}", "restart.allow=[\"mach\"]"];
+    let said = go(&[&faster[..], &[&from], &hot].concat(), "hot").stderr;
+    assert!(said.contains("the temperature of all gas changes at once"), "{said}");
     println!("C_D at M = 0.3: {}, continued {}", drag("mach"), drag("continued_mach"));
     assert!((drag("continued_mach") - drag("mach")).abs() < 1e-6);
     let steps = |output: &str| number(&summary(&at.join(output)), "steady.newton");

@@ -1,6 +1,6 @@
 //! A steady start keeps what no boundary can change: mass, energy, momentum.
 
-use crate::common::{column, number, summary};
+use crate::common::{column, number, stsolve, summary};
 use crate::run;
 use tempfile::TempDir;
 
@@ -57,6 +57,32 @@ fn a_steady_flow_between_walls_tells_its_residual() {
     assert!(residual < 1e-8, "{residual:e}");
 }
 
+/// Friction heats the gas for ever, which was told as an unsteady flow.
+#[test]
+fn a_steady_start_warns_where_no_wall_takes_the_heat() {
+    let directory = TempDir::new().unwrap();
+    let case = |walls: &str| {
+        format!(
+            "mesh = {{ order = 2, generate.box = {{ lower = [0, 0], upper = [1, 1], cells = [1, 2], periodic = [\"x\"] }} }}
+             time = {{ order = 1, end = 1, step = 1 }}
+             solver.steady = {{}}
+             [flow]
+             order = 3
+             gas = {{ gamma = 1.4, gas_constant = 1, viscosity = {{ constant = 0.1 }} }}
+             reference = {{ density = 1, speed = 1, pressure = 1, length = 1 }}
+             initial.uniform = {{ density = 1, velocity = [0, 0], pressure = 1 }}
+             source.acceleration = [0.01, 0]
+             boundary.others = {walls}"
+        )
+    };
+    let check = |walls: &str| {
+        std::fs::write(directory.path().join("case.toml"), case(walls)).unwrap();
+        stsolve(directory.path(), &["check", "case.toml", "--probe", "never"])
+    };
+    let warns = |walls: &str| check(walls).stdout.contains("friction heats moving gas for ever");
+    assert!(warns("{ adiabatic_wall = {} }") && !warns("{ isothermal_wall = { temperature = 1 } }"));
+}
+
 /// What no boundary can change stays: the energy between adiabatic walls, the momentum without boundaries, and the mass also where a source
 /// adds momentum alone.
 #[test]
@@ -93,6 +119,9 @@ fn a_steady_start_keeps_what_nothing_can_change() {
     let kinetic = 0.5 * (0.09 + 0.005);
     assert!((mass - 1.0).abs() < 1e-9 && (momentum - 0.3).abs() < 1e-9, "{mass} {momentum}");
     assert!((energy - 2.5 - kinetic).abs() < 1e-5, "{energy}");
+    // Frictionless walls along x exert no force along x. The momentum that was found depended on the first step.
+    let [_, _, momentum] = totals("between", &case("[\"x\"]", "[flow.boundary]\nothers = \"symmetry\"", stream, ""));
+    assert!((momentum - 0.3).abs() < 1e-9, "{momentum}");
     let walls = "[flow.boundary]\nothers.isothermal_wall.temperature = 1";
     let source = "source.given = { density = 0, momentum = [\"0.1*sin(2*pi*y)\", 0], energy = 0 }";
     let [mass, ..] = totals("stirred", &case("[]", walls, "0", source));

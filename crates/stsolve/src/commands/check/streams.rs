@@ -82,6 +82,18 @@ pub(super) fn unlike_reference<const D: usize>(facts: &Facts<'_, D>, flow: &Flow
     warning("reference state", text)
 }
 
+/// `flow.gas.mach` is a unit of the temperature: changed alone it changes no flow.
+pub(super) fn other_mach<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
+    let (of_gas, of_stream) = (flow.gas_mach?, flow.law.reference.mach());
+    ((of_gas - of_stream).abs() > OTHER_SCALE * of_stream).then(|| {
+        let text = format!(
+            "`flow.gas.mach` = {of_gas} sets the gas constant alone, so that the temperature is 1 in a flow of that Mach number; the reference state has \
+             {of_stream:.4}: change the `mach` or the pressure of `flow.initial`, of far fields and inflows too"
+        );
+        Warning { subject: "Mach number of the gas", text }
+    })
+}
+
 fn far_fields<'a, const D: usize>(
     facts: &'a Facts<'_, D>,
     flow: &'a Flow<D>,

@@ -168,7 +168,11 @@ fn flow_table<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Table {
         .row("quadrature points", flow.quadrature.space_points(D, orders), "per direction")
         .row("quadrature points in time", flow.quadrature.time_points(D, orders), "per slab")
         .row("ratio of specific heats", gas.gamma(), "")
-        .row("Mach number", reference.mach(), "")
+        .row("Mach number", reference.mach(), "");
+    if let Some([x, y, ..]) = flow.uniform_velocity.as_ref().map(|velocity| &velocity[..]).filter(|w| w[1] != 0.0) {
+        table.row("direction of the stream", y.atan2(*x).to_degrees(), "degrees from x to y");
+    }
+    table
         .row(
             "Reynolds number",
             if reynolds.is_finite() { Value::from(reynolds) } else { "infinite (no viscosity)".into() },

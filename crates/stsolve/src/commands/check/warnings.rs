@@ -10,7 +10,9 @@ use case::expression::Overshoot;
 use case::{Flow, Largest, Motion, Preconditioner, Support};
 use elasticity::NEARLY_INCOMPRESSIBLE;
 use navier_stokes::Riemann;
-use simulation::{PrescribedNode, jump_of_centrifugal_force, speed_of_bodies_at_start, unheld_in_equilibrium};
+use simulation::{
+    PrescribedNode, jump_of_centrifugal_force, speed_of_bodies_at_start, undetermined, unheld_in_equilibrium,
+};
 
 /// A spline that leaves two neighbouring points by more than this part of the range of all values is hardly meant.
 const UNMEANT: f64 = 0.5;
@@ -65,6 +67,7 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
             streams::rotating_frame(facts, flow),
             streams::unlike(facts, flow),
             streams::unlike_reference(facts, flow),
+            streams::other_mach(flow),
             streams::drag_direction(facts, flow),
             jump_of_centrifugal_force(facts.case).and_then(|text| warning("rotating frame", text)),
             far_field(facts, flow),
@@ -87,10 +90,12 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
             layer(facts, flow),
             free_flow(facts, flow),
             mach(flow),
+            slow_flow(flow),
             lines(facts, flow),
         ];
         let of_bodies = bodies::warnings(facts, flow);
-        of_boundaries.into_iter().chain(of_start).chain(of_resolution).chain(of_bodies)
+        let of_search = undetermined(facts.case).into_iter().map(|text| warning("steady flow", text));
+        of_boundaries.into_iter().chain(of_start).chain(of_resolution).chain(of_bodies).chain(of_search)
     });
     let of_all = [
         overshoot(facts),
@@ -162,7 +167,7 @@ fn reference_length<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Opt
     };
     let text = format!(
         "`flow.reference.length` is {reference}, and what the flow passes in the mesh has a length of {length}: coefficients, the Reynolds number \
-         and numbers of this table refer to the former{of_time}; `flow.reference = {{ ..., length = {length} }}` if that is not meant"
+         and numbers of this table refer to the former{of_time}; `flow.reference = {{ ..., length = {length} }}` if that is not meant; `Mesh.ScalingFactor = 0.001` in Gmsh if the mesh is in millimetres"
     );
     warning("reference length", text)
 }
@@ -207,6 +212,17 @@ fn fast_walls<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>, walls: &[Pre
     warning("speed of walls", text)
 }
 
+/// Where no gas crosses the cells' faces, the waves of sound alone damp what the products of polynomials add.
+fn slow_flow<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
+    let is_slow = matches!(flow.law.riemann, Riemann::LowMachRoe { .. });
+    (is_slow && !flow.law.volume_flux.is_split()).then(|| Warning {
+        subject: "shear",
+        text: "with `flow.riemann = \"low_mach_roe\"` shear layers along the mesh grow without a cause: `quadrature = \"collocated_lobatto\"` with \
+               `volume_flux = \"kinetic_energy\"` in `[flow]` keeps them; or `riemann = \"roe\"`"
+            .to_owned(),
+    })
+}
+
 fn mach<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
     let mach = flow.law.reference.mach();
     match mach {
@@ -217,7 +233,10 @@ fn mach<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
         _ if mach < 0.02 => {
             let remedy = match flow.law.riemann {
                 Riemann::LowMachRoe { .. } => "",
-                _ => ", and `flow.riemann = \"low_mach_roe\"` loses less",
+                _ => {
+                    ", and `flow.riemann = \"low_mach_roe\"` loses less, with `quadrature = \"collocated_lobatto\"` and \
+                      `volume_flux = \"kinetic_energy\"`"
+                }
             };
             let text = format!(
                 "{mach:.1e}: fluxes for compressible flow lose accuracy in flow so slow: 0.02 to 0.2 differs little from 0{remedy}"
@@ -254,14 +273,22 @@ fn unbalanced_pressure<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> 
     let structure = facts.case.structure.as_ref()?;
     let part = structure.part.as_ref()?;
     let Largest { shear_modulus, poisson_ratio, .. } = structure.largest;
-    let strain = flow.reference_pressure() / (2.0 * shear_modulus * (1.0 + poisson_ratio));
-    let is_balanced = |wall: &usize| structure.boundary[*wall] != Support::Free;
+    let pressure = flow.reference_pressure();
+    let strain = pressure / (2.0 * shear_modulus * (1.0 + poisson_ratio));
+    let is_balanced = |wall: &usize| match &structure.boundary[*wall] {
+        Support::Free => false,
+        // The pressure of the gas pushes as a load of the same sign would.
+        Support::Pressure(load) | Support::FollowerPressure(load) => {
+            load.as_constant().is_none_or(|load| (load + pressure).abs() < 0.5 * pressure)
+        }
+        _ => true,
+    };
     if strain <= COMPRESSED || part.wet.iter().all(is_balanced) {
         return None;
     }
     let text = format!(
         "the pressure of the gas at rest is {strain:.1e} of Young's modulus, and compresses the structure at once: a load on its walls to the flow \
-         that balances it, `structure.boundary.NAME = {{ follower_pressure = \"-pressure\" }}`, if that is not meant"
+         that balances it, `structure.boundary.NAME = {{ follower_pressure = \"-pressure\" }}` with the minus, if that is not meant"
     );
     warning("pressure on the structure", text)
 }
