@@ -87,6 +87,9 @@ pub fn boundary_value(data: &FailureData) -> Option<Cause> {
 /// A boundary condition and the gas beside it that differ by less agree.
 const SLIGHT: f64 = 0.01;
 
+/// States that differ by more, as a logarithm or in Mach numbers, come from a value in another unit or a key that is missing.
+const MISTAKEN: f64 = 2.0;
+
 /// A boundary condition disagrees with the gas beside it.
 pub fn boundary_condition(data: &FailureData) -> Option<Cause> {
     let gas = data.gas.as_ref()?;
@@ -95,7 +98,9 @@ pub fn boundary_condition(data: &FailureData) -> Option<Cause> {
     // Another rule treats the part that the motion of a wall explains.
     let size = |mismatch: &Mismatch| (mismatch.size - gas.kick).max(0.0);
     let weighed = |mismatch: &Option<Mismatch>, weight: f64| {
-        mismatch.clone().map(|mismatch| (weight * rises(size(&mismatch), 0.7), mismatch))
+        let mismatch = mismatch.clone()?;
+        let weight = if size(&mismatch) > MISTAKEN { 0.97 } else { weight };
+        Some((weight * rises(size(&mismatch), 0.7), mismatch))
     };
     // The initial state of a search for the steady flow is gone once that is found.
     let is_past = gas.start == FlowStart::SteadyFlow && !data.attempt.steady;
