@@ -2,6 +2,7 @@
 
 use crate::bench::Group;
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
+use simulation::Failure;
 use std::path::{Path, PathBuf};
 
 /// Coupled space-time solver: elasticity moves a curved high-order mesh, compressible flow is solved on it.
@@ -35,6 +36,9 @@ pub enum Command {
         /// Whether to move the mesh over the run and to time the parts of a slab.
         #[arg(long, value_enum, default_value_t = Probe::Auto, value_name = "WHEN")]
         probe: Probe,
+        /// The threads of trial computations.
+        #[command(flatten)]
+        threads: Threads,
     },
     /// Describe a result file or a mesh file of Gmsh, SU2 or CGNS.
     Info {
@@ -165,6 +169,25 @@ pub struct CaseArguments {
     pub set: Vec<String>,
 }
 
+/// How many threads a command uses.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct Threads {
+    /// How many threads to use [default: one per core].
+    #[arg(long = "threads", value_name = "N", value_parser = clap::value_parser!(u16).range(1..=i64::from(simulation::MOST_THREADS)))]
+    count: Option<u16>,
+}
+
+impl Threads {
+    /// That many threads for everything that follows, or `default` where the command line gives none.
+    ///
+    /// # Errors
+    /// If threads cannot be started.
+    pub fn set(self, default: Option<usize>) -> Result<(), Failure> {
+        let Some(threads) = self.count.map(usize::from).or(default) else { return Ok(()) };
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(Failure::bad_input)
+    }
+}
+
 /// The options of `run` and `motion`.
 #[derive(Clone, Debug, Args)]
 pub struct RunArguments {
@@ -174,9 +197,9 @@ pub struct RunArguments {
     /// Where to write [default: as in the case, or `runs/NAME` for a case NAME.toml].
     #[arg(long, value_name = "DIRECTORY")]
     pub output: Option<PathBuf>,
-    /// How many threads to use [default: one per core].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=i64::from(simulation::MOST_THREADS)))]
-    pub threads: Option<u16>,
+    /// How many threads.
+    #[command(flatten)]
+    pub threads: Threads,
     /// Continue from the checkpoint in the output directory.
     #[arg(long)]
     pub resume: bool,

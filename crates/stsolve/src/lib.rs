@@ -62,7 +62,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::bad_input(anyhow::anyhow!(OTHER_MACHINE)));
     }
     match &arguments.command {
-        Command::Check { case, json, probe } => commands::check(&AnyCase::read(&case.case, &case.set)?, *json, *probe),
+        Command::Check { case, json, probe, threads } => {
+            threads.set(None)?;
+            commands::check(&AnyCase::read(&case.case, &case.set)?, *json, *probe)
+        }
         Command::Info { file, json, verbose } => commands::info(file, *json, *verbose),
         Command::Compare { first, second, json } => commands::compare(first, second, *json),
         Command::Report { directories, drawing, q_level } => match drawing.scenario(*q_level) {

@@ -16,8 +16,8 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let communicator = message_passing::world().map_err(Failure::bad_input)?;
     end_all_on_panic(&communicator);
     // The mesh of the case is made by the threads asked for, so they come first.
-    let threads = arguments.threads.map(usize::from).or_else(|| threads_of_rank(&*communicator));
-    let begun = set_threads(threads).and_then(|()| begin(arguments, communicator.rank()));
+    let threads = arguments.threads.set(threads_of_rank(&*communicator));
+    let begun = threads.and_then(|()| begin(arguments, communicator.rank()));
     let case = simulation::agree(&*communicator, begun);
     if communicator.rank() > 0 {
         // What is wrong is told by the first process.
@@ -56,16 +56,10 @@ pub fn motion(arguments: &RunArguments) -> Result<(), Failure> {
         // What is wrong is told by the first process.
         _ => return Ok(()),
     }
-    set_threads(arguments.threads.map(usize::from))?;
+    arguments.threads.set(None)?;
     let case = AnyCase::read(&arguments.case.case, &arguments.case.set)?;
     let observer = TerminalObserver::new(arguments, "motion");
     simulation::motion(&case, &destination(arguments, &case), &observer).map(drop)
-}
-
-/// Sets the number of threads for everything that follows.
-fn set_threads(threads: Option<usize>) -> Result<(), Failure> {
-    let Some(threads) = threads else { return Ok(()) };
-    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(Failure::bad_input)
 }
 
 /// The directory of the command line, else that of the case.

@@ -144,3 +144,12 @@ fn pieces_of_tetrahedra_are_warned_of() {
     let warning = json["warnings"]["cells"].as_str().unwrap_or_default();
     assert!(warning.contains("the scaled Jacobian of cell") && warning.contains("a mesh of hexahedra"), "{json}");
 }
+
+/// Trial computations took all cores of a machine that others use too.
+#[test]
+fn check_takes_as_many_threads_as_it_is_told() {
+    let arguments = ["check", "--json", "--probe", "always", "--threads", "1", &shipped("free_stream.toml")];
+    let (_, stdout, _) = outcome(Path::new("."), &arguments);
+    let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!(json["seconds, measured"]["threads"].as_f64(), Some(1.0), "{json}");
+}
