@@ -46,6 +46,6 @@ pub struct Outflow {
     /// The time constant with which the normal velocity outside follows the mean normal velocity of the gas on the boundary, which must be
     /// plane, and must not turn. Its value at the start is `velocity`, without `t` and controls; a profile keeps its shape. The mean pressure returns to
     /// `pressure` in one to two times this time, behind a reservoir in 1 + 1/M times, with the Mach number M. Sound whose period is much shorter leaves. A
-    /// steady start does not move the velocity outside.
+    /// steady start takes the pressure alone, and the velocity of the flow that it finds.
     pub relaxation: Option<f64>,
 }

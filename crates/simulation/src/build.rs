@@ -18,7 +18,7 @@ use coupled::{
 use elasticity::ElasticityError;
 use fem::{Orders, Problem, Share, SlabOperator, StateField};
 use mesh::NodeNumbering;
-use navier_stokes::{Compiled, Exact, Manufactured, NavierStokes, Riemann};
+use navier_stokes::{Boundary, Compiled, Exact, Manufactured, NavierStokes, Outflow, Riemann};
 use no_slip_walls::{contradicts, layer_at, no_slip_walls};
 use std::sync::Arc;
 
@@ -180,7 +180,8 @@ where
 {
     let Discretisation { order, time_order, dissipative } = discretisation;
     let riemann = if dissipative { Riemann::LaxFriedrichs } else { flow.law.riemann };
-    let flow = &Flow { law: NavierStokes { riemann, ..flow.law }, ..flow.clone() };
+    let boundary = flow.boundary.iter().map(at_its_pressure).collect();
+    let flow = &Flow { law: NavierStokes { riemann, ..flow.law }, boundary, ..flow.clone() };
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
     let orders = Orders { flow: order, mesh: case.mesh.order(), time: time_order };
     let mut operator =
@@ -191,6 +192,12 @@ where
     let mut problem = System::new(operator, mover);
     problem.flow.preconditioner.method = method(case.preconditioner());
     (problem, initial)
+}
+
+/// An outflow whose velocity outside follows the gas has its pressure in a steady flow.
+fn at_its_pressure<const D: usize>(data: &BoundaryData<D>) -> BoundaryData<D> {
+    let condition = if data.control.is_some() { Boundary::Outflow(Outflow::at_points()) } else { data.condition };
+    BoundaryData { condition, ..data.clone() }
 }
 
 fn problem<const D: usize, const M: usize>(flow: &Flow<D>) -> Problem<D, M>

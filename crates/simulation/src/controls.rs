@@ -160,6 +160,24 @@ fn not_positive<const D: usize>(
     })
 }
 
+/// Lets outflows with `relaxation` begin with the velocity of the steady flow that has the `row` of history.csv. It was searched with their
+/// pressure alone.
+pub fn follow_steady_flow<const D: usize>(
+    case: &Case<D>,
+    columns: &Columns,
+    row: &[f64],
+    statistics: &mut RunStatistics,
+) {
+    let boundaries = || case.flow.iter().flat_map(|flow| &flow.boundary);
+    let measured = |(control, column): (&Control, &Option<usize>)| {
+        let is_of_outflow = boundaries().any(|data| data.control.as_ref() == Some(control));
+        column.filter(|_| is_of_outflow).map_or(control.value.get(), |number| row[number])
+    };
+    let values: Vec<f64> = case.controls.iter().zip(&columns.measured).map(measured).collect();
+    set(case, Some(&values));
+    statistics.controls = values;
+}
+
 /// Sets the controls for which the preconditioner of the state `stored` was made, or the initial ones.
 pub fn set_for_preconditioner<const D: usize>(case: &Case<D>, stored: Option<&SolverState>) {
     set(

@@ -6,7 +6,7 @@ use navier_stokes::{Boundary, Source};
 /// Warnings about the steady flow that a case searches for.
 pub fn undetermined<const D: usize>(case: &Case<D>) -> Vec<String> {
     let Some(flow) = case.flow.as_ref().filter(|_| case.solver.steady.is_some()) else { return Vec::new() };
-    [undetermined_energy(flow), given_velocity(case, flow), held_controls(case, flow)].into_iter().flatten().collect()
+    [undetermined_energy(flow), held_controls(case, flow)].into_iter().flatten().collect()
 }
 
 /// Whether a wall moves in its own plane.
@@ -30,16 +30,6 @@ fn undetermined_energy<const D: usize>(flow: &Flow<D>) -> Option<String> {
          the temperature of gas at rest depends on `solver.steady.first_step`: an `isothermal_wall`, or a march in time without `[solver.steady]`"
             .to_owned()
     })
-}
-
-/// The velocity outside of an outflow with `relaxation` follows the gas in time, not in the search.
-fn given_velocity<const D: usize>(case: &Case<D>, flow: &Flow<D>) -> Option<String> {
-    let number = flow.boundary.iter().position(|data| data.control.is_some())?;
-    let name = &case.mesh.boundary_names()[number];
-    Some(format!(
-        "the steady flow is that of `flow.boundary.{name}.outflow.velocity`, which follows the gas only afterwards: until then the pressure there \
-         differs from `pressure` where that is not the velocity of the steady flow; give that one, or no `velocity`"
-    ))
 }
 
 /// Controls begin with the march in time.

@@ -103,6 +103,7 @@ pub(super) fn begin<const D: usize, const M: usize>(
     let together = run.together();
     recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow, structure, averages, together })?;
     if let Some(row) = row {
+        controls::follow_steady_flow(recorder.case(), &context.control_columns, &row, &mut context.statistics);
         recorder.history.push(&[row, controls::values(recorder.case())].concat())?;
         // The steady flow that the run begins with has distributions along walls; another initial state has none worth keeping.
         if recorder.case().output.surfaces_every.is_some() {

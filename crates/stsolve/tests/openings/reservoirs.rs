@@ -1,6 +1,6 @@
 //! Gas between a reservoir and an outlet, at rest, in a steady stream, or with shear along the inflow.
 
-use crate::common::{number, on_text, summary};
+use crate::common::{column, number, on_text, summary};
 use crate::{gas_at_end, pressure_off, survives};
 use tempfile::TempDir;
 
@@ -160,4 +160,29 @@ fn shear_passes_an_inflow() {
     for push in ["0.3", "0.1", "0", "-0.1"] {
         survives(SHEAR, &[&format!("constants.push={push}")]);
     }
+}
+
+/// The search held the velocity outside at its first value, 0.3, and found a mass flow of 0.325 and a pressure of 0.944.
+#[test]
+fn a_steady_flow_has_the_pressure_of_a_relaxed_outflow() {
+    let directory = TempDir::new().unwrap();
+    let case = r#"
+        mesh = { order = 2, generate.box = { lower = [0, 0], upper = [2, 1], cells = [4, 1], periodic = ["y"] } }
+        time = { order = 2, end = 0.4, slabs = 4 }
+        solver.steady = {}
+        [flow]
+        order = 3
+        gas = { gamma = 1.4, gas_constant = 1 }
+        reference = { density = 1, speed = 1, pressure = 1, length = 1 }
+        initial.uniform = { density = 1, velocity = [0.3, 0], pressure = 0.95 }
+        boundary.left.inflow = { total_pressure = 1, total_temperature = 1 }
+        boundary.right.outflow = { pressure = 0.9, velocity = [0.3, 0], relaxation = 5 }
+    "#;
+    on_text(directory.path(), case, &[], "run", &["--quiet"]).expect(0, &[]);
+    let [flow, velocity] =
+        ["right_mass_flow", "control_right_stream"].map(|name| column(&directory.path().join("run"), name));
+    // Isentropic, from p / p_0 = 0.9: rho u = 0.42262 and u = 0.45565.
+    println!("{flow:?} {velocity:?}");
+    assert!(flow.iter().all(|flow| (flow - 0.422_62).abs() < 1e-4), "{flow:?}");
+    assert!(velocity.iter().all(|velocity| (velocity - 0.455_65).abs() < 1e-4), "{velocity:?}");
 }
