@@ -35,7 +35,7 @@ pub fn interpolate<const D: usize, const M: usize>(
     let sampler = fem::Sampler::<D>::new(orders.flow, orders.mesh, &nodes);
     let (n, row) = (layout.nodes, operator.tables.bottom_row());
     let mut position = vec![0.0; operator.mesh.slot_len()];
-    let mut u = vec![0.0; layout.len()];
+    let (mut u, scales) = (vec![0.0; layout.len()], operator.problem.kernels.scales());
     for cell in 0..layout.cells {
         operator.mesh.positions(cell, row.row(0), &mut position);
         let x = sampler.positions(&position);
@@ -43,7 +43,7 @@ pub fn interpolate<const D: usize, const M: usize>(
         let given = |x: &[f64; D]| field.value(x, t);
         let faces = (0..2 * D).filter(|face| operator.has_neighbour(cell, *face)).collect::<Vec<_>>();
         let period = |face: usize| operator.period_across(cell, face);
-        let states = CellStart { nodes: &nodes, at: &at, period: &period, given: &given }.states(&faces);
+        let states = CellStart { nodes: &nodes, at: &at, period: &period, given: &given, scales }.states(&faces);
         put(&layout, cell, &states, &mut u);
     }
     u
@@ -64,6 +64,8 @@ struct CellStart<'a, const D: usize, const M: usize> {
     at: &'a dyn Fn(usize) -> [f64; D],
     /// How far the other side of a face is, by the period of the mesh.
     period: &'a dyn Fn(usize) -> [f64; D],
+    /// The scales of the components.
+    scales: [f64; M],
     /// u_0.
     given: &'a dyn Fn(&[f64; D]) -> [f64; M],
 }
@@ -112,7 +114,11 @@ impl<const D: usize, const M: usize> CellStart<'_, D, M> {
             [moved(&x, &e, 1.0), moved(&moved(&x, &e, -1.0), period, 1.0)].map(|x| (self.given)(&x))
         };
         let change = |[a, b]: &[[f64; M]; 2], m: usize| (a[m] - b[m]).abs();
-        let changes = |pair: &[[f64; M]; 2], m: usize| change(pair, m) > LEAST * (pair[0][m].abs() + pair[1][m].abs());
+        // A vortex that decays is not quite periodic.
+        let is_periodic = period.iter().any(|d| *d != 0.0);
+        let least = |m: usize| if is_periodic { self.scales[m] } else { 0.0 };
+        let size = |pair: &[[f64; M]; 2], m: usize| (pair[0][m].abs() + pair[1][m].abs()).max(least(m));
+        let changes = |pair: &[[f64; M]; 2], m: usize| change(pair, m) > LEAST * size(pair, m);
         let far = beside(ASIDE);
         // Nearly all states are smooth: then two values are enough.
         if !(0..M).any(|m| changes(&far, m)) {
