@@ -1,5 +1,6 @@
 //! The output of every slab.
 
+mod checkpoint_schedule;
 mod draw;
 mod layout;
 mod mesh_view;
@@ -20,6 +21,7 @@ use crate::error::Failure;
 use crate::observer::{Positions, RunState, SlabFlow};
 use crate::session::Session;
 use case::Case;
+use checkpoint_schedule::CheckpointSchedule;
 use coupled::block::BodyState;
 pub use layout::result_bytes;
 use layout::{fingerprint, flow_order, layout, metadata};
@@ -32,6 +34,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Instant;
 pub use step_parts::StepParts;
 use together::Moment;
 pub use together::write_state;
@@ -98,7 +101,7 @@ pub struct Recorder<'a, const D: usize, const M: usize> {
     result: ResultFile,
     /// `history.csv`.
     pub history: History,
-    slabs_since_checkpoint: usize,
+    checkpoints: CheckpointSchedule,
     told: Told,
 }
 
@@ -177,7 +180,8 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         let told = Told::new::<D, M>(case, mesh);
         let history = history_after(stored.as_ref().map(|stored| &stored.state).or(origin), session, &told.columns)?;
         let parts = StepParts::new(case, mesh.clone());
-        let recorder = Recorder { parts, result, history, slabs_since_checkpoint: 0, told };
+        let checkpoints = CheckpointSchedule::new(case.output.checkpoint_every);
+        let recorder = Recorder { parts, result, history, checkpoints, told };
         Ok((recorder, stored))
     }
 
@@ -190,7 +194,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         let (result, stored) = ResultFile::resume(&session.directory, &metadata, &OfCells::names(), |_, _| Ok(()))?;
         self.result = result;
         self.history = history_after(Some(&stored.state), session, &self.told.columns)?;
-        self.slabs_since_checkpoint = 0;
+        self.checkpoints.go_back();
         Ok(stored)
     }
 
@@ -267,8 +271,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
 
     /// Counts a slab; returns whether a checkpoint is due.
     pub fn is_checkpoint_due(&mut self) -> bool {
-        self.slabs_since_checkpoint += 1;
-        self.slabs_since_checkpoint >= self.case().output.checkpoint_every
+        self.checkpoints.count(Instant::now())
     }
 
     /// Writes a checkpoint: what is `stored` with the history and the sums of the run.
@@ -277,11 +280,17 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     /// A file that cannot be written.
     pub fn checkpoint(&mut self, stored: Stored<'_>, statistics: &RunStatistics) -> Result<(), Failure> {
         let _timed = tracing::trace_span!(target: "cost", "output").entered();
+        let begin = Instant::now();
+        self.write_checkpoint(stored, statistics)?;
+        self.checkpoints.written(begin, Instant::now());
+        Ok(())
+    }
+
+    fn write_checkpoint(&mut self, stored: Stored<'_>, statistics: &RunStatistics) -> Result<(), Failure> {
         let Stored { mut state, mut long, together } = stored;
         state.arrays.extend(statistics.to_arrays());
         state.arrays.insert(HISTORY.into(), self.history.rows().to_vec().into());
         state.texts.insert(COLUMNS.into(), output::header(&self.told.columns));
-        self.slabs_since_checkpoint = 0;
         let case = self.case();
         let Some(together) = self.together(&together)? else { return Ok(self.result.checkpoint_with(&state, long)?) };
         long.iter_mut().for_each(|array| array.parts = Parts::OfAllRanks);
