@@ -33,6 +33,28 @@ impl Reached {
     }
 }
 
+/// Which lines and slices are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Due {
+    /// Those that are due after a number of slabs.
+    BySlabs,
+    /// Those that are not: where a run stops early, the others have been written.
+    Rest,
+    /// All, at the start and the end.
+    All,
+}
+
+impl Due {
+    /// Whether what is written after `every` slabs belongs to them after so many `slabs`.
+    fn includes(self, every: usize, slabs: usize) -> bool {
+        match self {
+            Due::BySlabs => slabs.is_multiple_of(every),
+            Due::Rest => !slabs.is_multiple_of(every),
+            Due::All => true,
+        }
+    }
+}
+
 /// Starts the files in `directory`, or keeps what they have up to the checkpoint `reached` of a run that is resumed.
 ///
 /// # Errors
@@ -46,7 +68,7 @@ pub fn begin<const D: usize>(case: &Case<D>, directory: &Path, reached: Option<R
     observed.slices.iter().try_for_each(|slice| SliceSeries::of(directory, &slice.name).begin(last_kept(slice.every)))
 }
 
-/// Writes the lines and slices that are due after so many `slabs`; all of them `at_end`.
+/// Writes the lines and slices that are `due` after so many `slabs`.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -54,9 +76,9 @@ pub fn write<const D: usize, const M: usize>(
     case: &Case<D>,
     (flow, source): (&FlowAtPoints<D>, &StateSource),
     directory: &Path,
-    (slabs, at_end): (usize, bool),
+    (slabs, due): (usize, Due),
 ) -> Result<(), OutputError> {
-    let is_due = |every: usize| at_end || slabs.is_multiple_of(every);
+    let is_due = |every: usize| due.includes(every, slabs);
     for line in case.observed.lines.iter().filter(|line| is_due(line.every)) {
         LineFile::of(directory, &line.name).append(&lines::rows::<D, M>(flow, line, source))?;
     }

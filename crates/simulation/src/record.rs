@@ -206,6 +206,14 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         Ok(ResultReader::open(self.result.path())?.times == [time])
     }
 
+    /// The times of all steps of the result.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn step_times(&mut self) -> Result<Vec<f64>, Failure> {
+        Ok(self.result.step_times()?)
+    }
+
     /// Drops the fields and the distributions of a former end, where a run without interruption has none.
     ///
     /// # Errors
