@@ -29,7 +29,7 @@ use output::{
     ArrayInParts, ArraySpec, Checkpoint, History, Kept, Metadata, OutputError, Parts, ResultFile, ResultReader,
     SolverState,
 };
-use report::REPORT_FILE;
+use report::{COMPARISON_FILE, REPORT_FILE};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
@@ -138,9 +138,9 @@ pub const COLUMNS: &str = "history_columns";
 /// Name of the log in the output directory.
 pub const LOG_FILE: &str = "log.jsonl";
 
-/// Files that are made from the result of a run, beside lines, slices and surfaces: those of averages, and the report.
+/// Files that are made from the result of a run, beside lines, slices and surfaces: those of averages, the report, and a comparison with others.
 pub fn made_from_results() -> Vec<&'static str> {
-    FILES_OF_AVERAGES.into_iter().chain([REPORT_FILE]).collect()
+    FILES_OF_AVERAGES.into_iter().chain([REPORT_FILE, COMPARISON_FILE]).collect()
 }
 
 /// Files of an earlier run beside its result: also the log. Where records are logged, the first one replaces the log.

@@ -125,6 +125,18 @@ fn a_run_that_stops_early_writes_its_last_state_and_a_resumed_run_drops_it() {
     assert!(line("run") == line("through"));
 }
 
+/// VTK could not read a file without any step.
+#[test]
+fn phases_that_no_slab_has_reached_have_no_file() {
+    let directory = TempDir::new().unwrap();
+    let averages = "output.averages={from=1.25,period=0.2,phases=2,fields=[\"pressure\"]}";
+    let has_file = |end: &str, run: &str| {
+        heated(directory.path(), "run", &[averages, end], &["--output", run]).expect(0, &[]);
+        directory.path().join(run).join("phases.vtkhdf").exists()
+    };
+    assert!(!has_file("time.end=1", "before") && has_file("time.end=2", "through"));
+}
+
 /// A short last slab that could not be solved left its rest to the next slab, which was longer than `time.step`.
 #[test]
 fn no_slab_is_longer_after_a_short_one_that_failed() {
