@@ -218,7 +218,7 @@ where
         add_slab(self.case, &self.flow, &self.march, &mut self.averages);
         context.statistics.add_bodies::<D, M>(&bodies, self.state().time, &report.totals, &self.walls_of_bodies());
         let row = history::row(&self.flow, report, &loads, &bodies, &context.statistics);
-        [row, self.observed()].concat()
+        [row, self.observed(context)].concat()
     }
 
     fn counts(&self) -> Counts {
