@@ -63,7 +63,8 @@ pub fn begin<const D: usize>(case: &Case<D>, directory: &Path, reached: Option<R
     let observed = &case.observed;
     let last_kept = |every| reached.map(|reached| reached.last_kept(every));
     for line in &observed.lines {
-        LineFile::of(directory, &line.name).begin(&lines::columns(line, &observed.formulas), last_kept(line.every))?;
+        let columns = lines::columns(line, &observed.formulas);
+        LineFile::of(directory, &line.name).begin(&columns, &lines::places(line), last_kept(line.every))?;
     }
     observed.slices.iter().try_for_each(|slice| SliceSeries::of(directory, &slice.name).begin(last_kept(slice.every)))
 }
@@ -92,6 +93,15 @@ pub fn write<const D: usize, const M: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A run that stops early writes each entry once.
+    #[test]
+    fn the_rest_is_what_was_not_due() {
+        for slabs in 0..12 {
+            let of = |due: Due| due.includes(3, slabs);
+            assert!(of(Due::All) && of(Due::BySlabs) != of(Due::Rest), "{slabs}");
+        }
+    }
 
     /// A line of a run that was extended once kept its rows at the former end, which one long run does not have.
     #[test]
