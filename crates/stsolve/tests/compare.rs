@@ -64,7 +64,9 @@ fn figures_and_columns_of_one_run_alone_are_told() {
 fn a_run_that_is_not_completed_differs() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
-    ["whole", "failed"].map(|output| on_case(at, "run", "vortex", &SHORT, output, &[]).expect(0, &[]));
+    for output in ["whole", "failed"] {
+        on_case(at, "run", "vortex", &SHORT, output, &[]).expect(0, &[]);
+    }
     let file = at.join("failed/summary.json");
     let summary = std::fs::read_to_string(&file).unwrap();
     let failed = summary.replace("\"completed\": true", "\"completed\": false");

@@ -122,7 +122,8 @@ fn a_run_that_stops_early_writes_its_last_state_and_a_resumed_run_drops_it() {
     }
     go(&[], "run", &["--resume"]).expect(0, &[]);
     assert_eq!((result("run").times, series("run")), (result("through").times, series("through")));
-    assert!(line("run") == line("through"));
+    let times = |run: &str| line(run).lines().map(|row| row.split(',').next().unwrap().to_owned()).collect::<Vec<_>>();
+    assert_eq!(times("run"), times("through"));
 }
 
 /// VTK could not read a file without any step.
