@@ -4,7 +4,8 @@
     shedding.py RUN_DIRECTORY [--wall NAME] [--periods N] [--length L] [--speed U]
     shedding.py RUN_DIRECTORY --from T ...
 
-A period lasts from one upward zero crossing of the lift coefficient to the next, St = L / (U period). With --from the flow need not be
+A period lasts from one upward zero crossing of the lift coefficient to the next, St = L / (U period). Where the lift keeps its sign in the second
+half of the time, its middle value there takes the place of zero. With --from the flow need not be
 periodic: means are those from the time T on, and St is the peak of the spectrum of the drag, by a Hann window. In
 a plane vortex street the drag has twice the frequency of the lift.
 """
@@ -26,7 +27,14 @@ def columns(directory, wall):
     return [[float(row[name]) for row in rows] for name in names]
 
 
-def upward_crossings(time, lift):
+def level_of(time, lift):
+    """Zero, or the middle of the lift in the second half of the time if that does not change its sign."""
+    late = [l for t, l in zip(time, lift) if t >= (time[0] + time[-1]) / 2]
+    return 0 if min(late) < 0 < max(late) else (min(late) + max(late)) / 2
+
+
+def upward_crossings(time, lift, level):
+    lift = [l - level for l in lift]
     pairs = zip(zip(time, lift), zip(time[1:], lift[1:]))
     return [t - l * (t1 - t) / (l1 - l) for (t, l), (t1, l1) in pairs if l < 0 <= l1]
 
@@ -93,7 +101,9 @@ def main():
         return irregular(arguments, (time, step, lift, drag))
     if arguments.periods < 1:
         sys.exit("--periods: at least 1")
-    crossings = upward_crossings(time, lift)
+    if not time:
+        sys.exit("there are no slabs yet")
+    crossings = upward_crossings(time, lift, level_of(time, lift))
     if len(crossings) <= arguments.periods:
         sys.exit(f"only {max(0, len(crossings) - 1)} periods so far")
     first, last = crossings[-1 - arguments.periods], crossings[-1]

@@ -39,11 +39,19 @@ def loss(history, rows):
     return (before - after) / (after - mean(history, "outflow_pressure", rows))
 
 
-def with_error(quantity, rows):
+def equal_parts(rows, t):
+    """The rows in parts of equal time, each by the middle of its slab; `t` are the ends of slabs."""
+    start, length = t[rows[0] - 1], t[rows[-1]] - t[rows[0] - 1]
+    parts = [[] for _ in range(PARTS)]
+    for row in rows:
+        parts[int(PARTS * ((t[row - 1] + t[row]) / 2 - start) / length)].append(row)
+    return parts
+
+
+def with_error(quantity, rows, t):
     """A quantity over all rows, and its error."""
-    count = len(rows)
-    parts = [quantity(rows[count * k // PARTS : count * (k + 1) // PARTS]) for k in range(PARTS)]
-    return quantity(rows), STUDENT * statistics.stdev(parts) / PARTS**0.5
+    values = [quantity(part) for part in equal_parts(rows, t)]
+    return quantity(rows), STUDENT * statistics.stdev(values) / PARTS**0.5
 
 
 def separation(run):
@@ -101,13 +109,15 @@ def main():
         rows = [row for row, t in enumerate(history["t"]) if row > 0 and history["t"][row - 1] >= options.start - 1e-9]
         if len(rows) < PARTS:
             sys.exit(f"{run}: {len(rows)} slabs begin after t = {options.start}, and the error needs {PARTS}")
+        if not all(equal_parts(rows, history["t"])):
+            sys.exit(f"{run}: a slab is longer than a part of the time, of which the error needs {PARTS}")
         quantities = [
             lambda rows: loss(history, rows),
             lambda rows: mean(history, "blade_force_x", rows),
             lambda rows: mean(history, "blade_force_y", rows),
             lambda rows: mean(history, "outflow_mass_flow", rows),
         ]
-        values = [with_error(quantity, rows) for quantity in quantities]
+        values = [with_error(quantity, rows, history["t"]) for quantity in quantities]
         numbers = " | ".join(f"{value:.5f} +- {error:.5f}" for value, error in values)
         print(f"| {run.name} | {numbers} | {separation(run)} |")
     if options.plot:

@@ -150,7 +150,7 @@ impl ResultFile {
     }
 
     /// Drops what a former end at `time` has added: the last step, and the last entry of each series. What is `kept` stays. A run whose
-    /// only step is there has just begun, and keeps everything.
+    /// only step is there has just begun, and keeps it.
     ///
     /// # Errors
     /// [`OutputError::Hdf5`] or [`OutputError::File`] if the file cannot be written.
@@ -161,18 +161,26 @@ impl ResultFile {
         self.change(|file, layout| {
             let (root, group) = (file.group("VTKHDF")?, file.group(format::GROUP)?);
             let times = vtkhdf::times(&root)?;
-            if times == [time] {
-                return Ok(());
-            }
             if !kept.series {
                 series::drop_at(&group, time)?;
             }
-            if kept.step || times.last() != Some(&time) {
+            if kept.step || times == [time] || times.last() != Some(&time) {
                 return Ok(());
             }
             layout.exact.iter().try_for_each(|array| format::drop_array(&group, &array.name))?;
             vtkhdf::drop_step(&root, layout)
         })
+    }
+
+    /// The times of all steps, also of those that no checkpoint has published yet.
+    ///
+    /// # Errors
+    /// [`OutputError::Hdf5`] or [`OutputError::File`] if the file cannot be read.
+    pub fn step_times(&mut self) -> Result<Vec<f64>, OutputError> {
+        let file = self.take_working_copy()?;
+        let times = file.group("VTKHDF").and_then(|root| vtkhdf::times(&root));
+        self.copy = WorkingCopy::Open(file);
+        times.map_err(|source| self.write_error(source))
     }
 
     /// Changes the working copy by `work`.

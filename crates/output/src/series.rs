@@ -26,9 +26,14 @@ pub(crate) fn extend(parent: &Group, array: &ArraySpec, time: f64, values: &[f64
     append_row(&group, time, values)
 }
 
+/// Appends an entry, unless there is one at that time: a wall that begins with a resumed run has one when that run stops at once.
 fn append_row(group: &Group, time: f64, values: &[f64]) -> Result<()> {
+    let times = group.dataset("times")?;
+    if times.read_raw::<f64>()?.last() == Some(&time) {
+        return Ok(());
+    }
     append(&group.dataset("values")?, 1, values)?;
-    append(&group.dataset("times")?, 1, &[time])
+    append(&times, 1, &[time])
 }
 
 fn create(all: &Group, array: &ArraySpec) -> Result<Group> {

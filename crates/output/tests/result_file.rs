@@ -86,7 +86,8 @@ fn a_former_end_leaves_no_trace() {
             result.drop_former_end(7.0, Kept { step: false, series: false }).unwrap();
             result.drop_former_end(2.0, Kept { step: false, series: false }).unwrap();
             // The only step that is left is the start.
-            result.drop_former_end(1.0, Kept { step: false, series: false }).unwrap();
+            assert_eq!(result.step_times().unwrap(), [1.0]);
+            result.drop_former_end(1.0, Kept { step: false, series: true }).unwrap();
         }
         for slab in slabs {
             append(&mut result, *slab);

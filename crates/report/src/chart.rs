@@ -4,7 +4,9 @@ use super::axis::Axis;
 use super::groups::Scale;
 use super::html::{escaped, short};
 use output::HistoryTable;
+use std::collections::BTreeSet;
 use std::fmt::Write;
+use std::ops::Range;
 
 /// The drawing and the plot in it, in units of the drawing.
 const WIDTH: f64 = 520.0;
@@ -14,17 +16,22 @@ const RIGHT: f64 = 508.0;
 const TOP: f64 = 10.0;
 const BOTTOM: f64 = 196.0;
 
-/// Curves with more points are thinned out.
-pub const MOST_POINTS: usize = 2000;
+/// Histories with more rows are thinned out.
+pub const MOST_ROWS: usize = 2000;
 
 /// Curves with fewer points show them.
 const FEW_POINTS: usize = 40;
 
-/// The displayed rows: at equal distances, and the last one.
-pub fn drawn_rows(history: &HistoryTable) -> Vec<usize> {
-    let count = history.len();
-    let stride = count.div_ceil(MOST_POINTS).max(1);
-    (0..count).filter(|row| row % stride == 0 || row + 1 == count).collect()
+/// Of so many rows of a history one is on the page.
+fn stride(history: &HistoryTable) -> usize {
+    history.len().div_ceil(MOST_ROWS).max(1)
+}
+
+/// The rows on the page: at equal distances, the last one, and the nearest ones to the `times` of pictures.
+pub fn rows_on_page(history: &HistoryTable, times: &[f64]) -> BTreeSet<usize> {
+    let (count, t) = (history.len(), history.column("t").unwrap_or_default());
+    let nearest = |time: &f64| (0..count).min_by(|a, b| (t[*a] - time).abs().total_cmp(&(t[*b] - time).abs()));
+    (0..count).step_by(stride(history)).chain(count.checked_sub(1)).chain(times.iter().filter_map(nearest)).collect()
 }
 
 /// A curve over time.
@@ -34,6 +41,8 @@ pub struct Curve {
     pub label: String,
     /// The run, and its column of the history.
     pub source: (usize, String),
+    /// Of so many rows of that history one is on the page.
+    pub stride: usize,
     /// The times.
     pub t: Vec<f64>,
     /// The values.
@@ -41,12 +50,50 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// The displayed rows of a column of the history of a run; `None` if there is no such column.
-    pub fn of(history: &HistoryTable, run: usize, column: &str, label: &str) -> Option<Self> {
-        let rows = drawn_rows(history);
-        let pick = |name: &str| history.column(name).map(|column| rows.iter().map(|&row| column[row]).collect());
-        Some(Curve { label: label.to_owned(), source: (run, column.to_owned()), t: pick("t")?, values: pick(column)? })
+    /// A column of the history of a run, to be drawn on this `scale`; `None` if there is no such column.
+    pub fn of(history: &HistoryTable, run: usize, column: &str, label: &str, scale: Scale) -> Option<Self> {
+        let (t, values, stride) = (history.column("t")?, history.column(column)?, stride(history));
+        let rows = drawn_rows(&values, stride, scale);
+        let [t, values] = [t, values].map(|column| rows.iter().map(|&row| column[row]).collect());
+        Some(Curve { label: label.to_owned(), source: (run, column.to_owned()), stride, t, values })
     }
+}
+
+/// The rows of a curve through `values`: the first, the last, and the least and the largest value of every `2 stride` rows. Every n-th row alone
+/// would show a periodic signal with a wrong period, and leave out peaks.
+fn drawn_rows(values: &[f64], stride: usize, scale: Scale) -> Vec<usize> {
+    let count = values.len();
+    if stride == 1 {
+        return (0..count).collect();
+    }
+    let bucket = |first: usize| extremes(values, first..count.min(first + 2 * stride), scale);
+    let ends = [0, count - 1];
+    let rows: BTreeSet<usize> = (0..count).step_by(2 * stride).flat_map(bucket).chain(ends).collect();
+    rows.into_iter().collect()
+}
+
+/// The `rows` of the least and the largest value that the `scale` can show; the first row if it shows none, which breaks the curve.
+fn extremes(values: &[f64], rows: Range<usize>, scale: Scale) -> [usize; 2] {
+    let height = |row: usize| if scale == Scale::Logarithmic { values[row].abs() } else { values[row] };
+    let is_shown = |row: &usize| height(*row).is_finite() && (scale == Scale::Linear || height(*row) > 0.0);
+    let shown = || rows.clone().filter(is_shown);
+    let least = shown().min_by(|a, b| height(*a).total_cmp(&height(*b))).unwrap_or(rows.start);
+    let largest = shown().max_by(|a, b| height(*a).total_cmp(&height(*b))).unwrap_or(rows.start);
+    [least, largest]
+}
+
+/// How the `curves` of a figure are thinned out, for its caption; empty if they have all rows.
+fn thinning(curves: &[Curve]) -> String {
+    let stride = curves.iter().map(|curve| curve.stride).max().unwrap_or(1);
+    if stride == 1 {
+        return String::new();
+    }
+    let up_to = if curves.iter().all(|curve| curve.stride == stride) { "" } else { "up to " };
+    format!(
+        "<span class=\"thinned\" data-rows=\"one row of {stride}\">least and largest value of {up_to}{} rows each; numbers and \
+         CSV: one row of {up_to}{stride}</span>",
+        2 * stride
+    )
 }
 
 /// The figure of some curves; `None` if there is no number to draw.
@@ -70,10 +117,11 @@ pub fn figure(title: &str, scale: Scale, curves: &[Curve]) -> Option<String> {
     Some(format!(
         "<figure class=\"chart\"><figcaption>{title}<span class=\"save\"><button type=\"button\" data-save=\"png\" \
          aria-label=\"Save {title} as PNG\">PNG</button><button type=\"button\" data-save=\"csv\" \
-         aria-label=\"Save {title} as CSV\">CSV</button></span></figcaption>\n\
+         aria-label=\"Save {title} as CSV\">CSV</button></span>{}</figcaption>\n\
          <svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" \
          aria-label=\"{title} from t = {} to t = {}\" data-t0=\"{}\" data-t1=\"{}\" data-x0=\"{LEFT}\" data-x1=\"{RIGHT}\">\n\
          {}{}{paths}<line class=\"cursor\" y1=\"{TOP}\" y2=\"{BOTTOM}\" x1=\"-9\" x2=\"-9\"/></svg>\n{}</figure>\n",
+        thinning(curves),
         short(first),
         short(last),
         x.lower,
@@ -151,7 +199,7 @@ mod tests {
 
     /// The chart of the column `a` of a history.
     fn chart(scale: Scale, history: &HistoryTable) -> Option<String> {
-        figure("a < b", scale, &[Curve::of(history, 0, "a", "first").unwrap()])
+        figure("a < b", scale, &[Curve::of(history, 0, "a", "first", scale).unwrap()])
     }
 
     fn history(rows: usize, value: impl Fn(usize) -> f64) -> HistoryTable {
@@ -186,9 +234,50 @@ mod tests {
     }
 
     #[test]
-    fn long_histories_are_thinned_and_keep_their_end() {
-        assert_eq!(drawn_rows(&history(5, |_| 0.0)), [0, 1, 2, 3, 4]);
-        let rows = drawn_rows(&history(10_001, |_| 0.0));
-        assert!(rows.len() <= MOST_POINTS + 1 && rows[0] == 0 && rows.last() == Some(&10_000));
+    fn long_histories_are_thinned_and_keep_their_end_and_the_rows_of_pictures() {
+        assert_eq!(rows_on_page(&history(5, |_| 0.0), &[]), (0..5).collect());
+        assert!(rows_on_page(&history(0, |_| 0.0), &[1.0]).is_empty());
+        let rows = rows_on_page(&history(10_001, |_| 0.0), &[1234.4]);
+        assert!(rows.len() <= MOST_ROWS + 3 && rows.contains(&0) && rows.last() == Some(&10_000), "{}", rows.len());
+        // The number below a picture was that of another slab.
+        assert!(rows.contains(&1234));
+    }
+
+    /// Every 25-th row of a signal with a period of 24.5 rows was drawn as a signal with a period of 1225 rows.
+    #[test]
+    fn a_thinned_curve_keeps_the_extremes_of_a_periodic_signal() {
+        let sine = |row: usize| (std::f64::consts::TAU * row as f64 / 24.5).sin();
+        let curve = Curve::of(&history(50_000, sine), 0, "a", "first", Scale::Linear).unwrap();
+        assert!(curve.t.len() <= MOST_ROWS + 2 && curve.t.is_sorted(), "{}", curve.t.len());
+        assert_eq!((curve.t[0], *curve.t.last().unwrap()), (0.0, 49_999.0));
+        for first in (0..50_000).step_by(50) {
+            let drawn =
+                || curve.t.iter().zip(&curve.values).filter(|(t, _)| (first..first + 50).contains(&(**t as usize)));
+            assert!(drawn().any(|(_, value)| *value > 0.99) && drawn().any(|(_, value)| *value < -0.99), "{first}");
+        }
+    }
+
+    #[test]
+    fn a_peak_between_rows_is_drawn_and_zeros_do_not_break_a_logarithmic_curve() {
+        let peak = |row: usize| if row == 4321 { 7.0 } else { 1.0 };
+        let curve = Curve::of(&history(20_000, peak), 0, "a", "first", Scale::Linear).unwrap();
+        assert!(curve.values.contains(&7.0));
+        let often_zero = |row: usize| if row.is_multiple_of(3) { 0.0 } else { -1e-9 };
+        let curve = Curve::of(&history(20_000, often_zero), 0, "a", "first", Scale::Logarithmic).unwrap();
+        assert!(curve.values.iter().skip(1).all(|value| *value != 0.0));
+        // Where there is no number at all, the curve is interrupted.
+        let gap = |row: usize| if (8000..9000).contains(&row) { f64::NAN } else { row as f64 };
+        let curve = Curve::of(&history(20_000, gap), 0, "a", "first", Scale::Linear).unwrap();
+        assert!(curve.values.iter().any(|value| value.is_nan()));
+    }
+
+    #[test]
+    fn the_caption_tells_that_a_curve_is_thinned() {
+        assert!(!chart(Scale::Linear, &history(100, |row| row as f64)).unwrap().contains("thinned"));
+        let figure = chart(Scale::Linear, &history(50_000, |row| row as f64)).unwrap();
+        assert!(
+            figure.contains("least and largest value of 50 rows each; numbers and CSV: one row of 25<"),
+            "{figure}"
+        );
     }
 }

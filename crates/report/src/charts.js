@@ -119,7 +119,8 @@ for (const button of document.querySelectorAll("[data-save]")) {
   button.addEventListener("click", async () => {
     const figure = button.closest("figure");
     const label = figure.querySelector("figcaption").firstChild.textContent;
-    if (button.dataset.save === "csv") save(new Blob([chartCsv(figure)], { type: "text/csv" }), label, "csv");
+    const thinned = figure.querySelector(".thinned")?.dataset.rows ?? "";
+    if (button.dataset.save === "csv") save(new Blob([chartCsv(figure)], { type: "text/csv" }), `${label} ${thinned}`.trim(), "csv");
     else save(await chartPng(figure), label, "png");
   });
 }

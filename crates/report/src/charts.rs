@@ -65,7 +65,7 @@ mod tests {
     /// A chart of two slabs with this value in the second one.
     fn of(title: &str, of_solver: bool, value: f64) -> Chart {
         let (label, source) = ("first".to_owned(), (0, "a".to_owned()));
-        let curves = vec![Curve { label, source, t: vec![0.0, 1.0], values: vec![0.0, value] }];
+        let curves = vec![Curve { label, source, stride: 1, t: vec![0.0, 1.0], values: vec![0.0, value] }];
         Chart { title: title.to_owned(), scale: Scale::Linear, of_solver, curves }
     }
 

@@ -26,7 +26,7 @@ pub fn page(runs: &[RunFiles], names: &[String]) -> String {
         "keys" => keys(runs, names),
         _ => String::new(),
     });
-    let history: Vec<Value> = runs.iter().map(|run| history(&run.history)).collect();
+    let history: Vec<Value> = runs.iter().map(|run| history(&run.history, &[])).collect();
     Document {
         name: &names.join(", "),
         title: &format!("{} runs compared", runs.len()),
@@ -50,7 +50,7 @@ fn charts(runs: &[RunFiles], names: &[String]) -> String {
     let boundaries: Vec<String> = runs.iter().flat_map(|run| run.boundaries()).cloned().collect();
     let of_group = |Group { title, series, scale, of_solver }: Group| {
         series.into_iter().map(move |(column, label)| {
-            let curve = |(run, files): (usize, &RunFiles)| Curve::of(&files.history, run, &column, &names[run]);
+            let curve = |(run, files): (usize, &RunFiles)| Curve::of(&files.history, run, &column, &names[run], scale);
             let curves = runs.iter().enumerate().filter_map(curve).collect();
             Chart { title: format!("{title}: {label}"), scale, of_solver, curves }
         })

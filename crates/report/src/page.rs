@@ -1,6 +1,6 @@
 //! The page of a run: `page.html` with its data.
 
-use super::chart::{Curve, drawn_rows};
+use super::chart::{Curve, rows_on_page};
 use super::charts::{Chart, arranged};
 use super::document::{Document, fill, missing};
 use super::groups::{self, Group};
@@ -19,6 +19,7 @@ const SECTIONS: [(&str, &str); 4] =
 /// The page of a run; `pictures`, or the reason why there are none.
 pub fn page(run: &RunFiles, pictures: &Result<Pictures, String>) -> String {
     let (title, name) = (run.title(), run.case_name());
+    let times: Vec<f64> = pictures.iter().flat_map(|shown| &shown.frames).map(|frame| frame.time).collect();
     let main = fill(TEMPLATE, |key| match key {
         "failure" => run.failure.as_ref().map_or_else(String::new, why::section),
         "pictures" => pictures.as_ref().map_or_else(|reason| missing("No pictures", reason), panel::html),
@@ -36,7 +37,7 @@ pub fn page(run: &RunFiles, pictures: &Result<Pictures, String>) -> String {
         main,
         creator: run.result.as_ref().map_or("", |reader| &reader.metadata.creator),
         data: json!({
-            "name": run.directory, "history": [history(&run.history)], "pictures": pictures.as_ref().ok().map(panel::data),
+            "name": run.directory, "history": [history(&run.history, &times)], "pictures": pictures.as_ref().ok().map(panel::data),
         }),
     }
     .html()
@@ -79,7 +80,8 @@ fn split_form(since: f64) -> String {
 /// A chart of every group of columns.
 fn charts(run: &RunFiles) -> String {
     let chart = |Group { title, series, scale, of_solver }: Group| {
-        let curves = series.iter().filter_map(|(column, label)| Curve::of(&run.history, 0, column, label)).collect();
+        let curves =
+            series.iter().filter_map(|(column, label)| Curve::of(&run.history, 0, column, label, scale)).collect();
         Chart { title, scale, of_solver, curves }
     };
     let groups = groups::groups(&run.history.columns, run.boundaries());
@@ -93,9 +95,9 @@ fn figures_note(run: &RunFiles) -> &'static str {
     }
 }
 
-/// The displayed rows, column by column.
-pub fn history(history: &HistoryTable) -> Value {
-    let rows = drawn_rows(history);
+/// The rows on a page with pictures at these `times`, column by column.
+pub fn history(history: &HistoryTable, times: &[f64]) -> Value {
+    let rows = rows_on_page(history, times);
     let column = |name: &String| {
         let values = history.column(name).unwrap_or_default();
         (name.clone(), rows.iter().map(|&row| number(values[row])).collect::<Value>())

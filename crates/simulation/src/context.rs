@@ -9,6 +9,7 @@ use crate::session::Session;
 use case::rounded_time;
 use case::{Case, memory};
 use output::{Cost, Machine};
+use std::collections::BTreeSet;
 use std::time::Instant;
 
 /// Data of a run besides its march.
@@ -25,6 +26,8 @@ pub struct RunContext<'a> {
     setup_seconds: f64,
     clock: CostClock,
     has_warned_of_linear_law: bool,
+    /// The points of which a warning has said that they are outside of the mesh.
+    points_outside: BTreeSet<String>,
 }
 
 /// Why a run stopped before its end.
@@ -64,6 +67,7 @@ impl<'a> RunContext<'a> {
             setup_seconds: begun.elapsed().as_secs_f64(),
             clock: session.clock.clone(),
             has_warned_of_linear_law: false,
+            points_outside: BTreeSet::new(),
         }
     }
 
@@ -75,6 +79,17 @@ impl<'a> RunContext<'a> {
         if let Some(text) = warning() {
             tracing::warn!("{text}");
             self.has_warned_of_linear_law = true;
+        }
+    }
+
+    /// Says that the point `name` is outside of the mesh at this time, if that was not said yet.
+    pub fn warn_once_of_point(&mut self, name: &str, time: f64) {
+        if self.points_outside.insert(name.to_owned()) {
+            let time = rounded_time(time);
+            tracing::warn!(
+                "the point `{name}` is outside of the mesh at t = {time}: its columns of history.csv are NaN as long as it is; with `carried = true` a \
+                 point moves with the mesh"
+            );
         }
     }
 

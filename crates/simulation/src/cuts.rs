@@ -33,6 +33,28 @@ impl Reached {
     }
 }
 
+/// Which lines and slices are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Due {
+    /// Those that are due after a number of slabs.
+    BySlabs,
+    /// Those that are not: where a run stops early, the others have been written.
+    Rest,
+    /// All, at the start and the end.
+    All,
+}
+
+impl Due {
+    /// Whether what is written after `every` slabs belongs to them after so many `slabs`.
+    fn includes(self, every: usize, slabs: usize) -> bool {
+        match self {
+            Due::BySlabs => slabs.is_multiple_of(every),
+            Due::Rest => !slabs.is_multiple_of(every),
+            Due::All => true,
+        }
+    }
+}
+
 /// Starts the files in `directory`, or keeps what they have up to the checkpoint `reached` of a run that is resumed.
 ///
 /// # Errors
@@ -41,12 +63,13 @@ pub fn begin<const D: usize>(case: &Case<D>, directory: &Path, reached: Option<R
     let observed = &case.observed;
     let last_kept = |every| reached.map(|reached| reached.last_kept(every));
     for line in &observed.lines {
-        LineFile::of(directory, &line.name).begin(&lines::columns(line, &observed.formulas), last_kept(line.every))?;
+        let columns = lines::columns(line, &observed.formulas);
+        LineFile::of(directory, &line.name).begin(&columns, &lines::places(line), last_kept(line.every))?;
     }
     observed.slices.iter().try_for_each(|slice| SliceSeries::of(directory, &slice.name).begin(last_kept(slice.every)))
 }
 
-/// Writes the lines and slices that are due after so many `slabs`; all of them `at_end`.
+/// Writes the lines and slices that are `due` after so many `slabs`.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -54,9 +77,9 @@ pub fn write<const D: usize, const M: usize>(
     case: &Case<D>,
     (flow, source): (&FlowAtPoints<D>, &StateSource),
     directory: &Path,
-    (slabs, at_end): (usize, bool),
+    (slabs, due): (usize, Due),
 ) -> Result<(), OutputError> {
-    let is_due = |every: usize| at_end || slabs.is_multiple_of(every);
+    let is_due = |every: usize| due.includes(every, slabs);
     for line in case.observed.lines.iter().filter(|line| is_due(line.every)) {
         LineFile::of(directory, &line.name).append(&lines::rows::<D, M>(flow, line, source))?;
     }
@@ -70,6 +93,15 @@ pub fn write<const D: usize, const M: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A run that stops early writes each entry once.
+    #[test]
+    fn the_rest_is_what_was_not_due() {
+        for slabs in 0..12 {
+            let of = |due: Due| due.includes(3, slabs);
+            assert!(of(Due::All) && of(Due::BySlabs) != of(Due::Rest), "{slabs}");
+        }
+    }
 
     /// A line of a run that was extended once kept its rows at the former end, which one long run does not have.
     #[test]

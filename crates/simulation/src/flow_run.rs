@@ -10,6 +10,7 @@ use super::body_record::BodyRecord;
 use super::boundary_values::{not_positive, without_value};
 use super::context::{RunContext, Stop};
 use super::crew::{self, Crew, OfCells, Order, Orders, Own, Together, begin_averages};
+use super::cuts::Due;
 use super::drive::{Call, Run, drive};
 use super::failure::{Failed, Finding};
 use super::record::{MeshView, Stored};
@@ -217,7 +218,7 @@ where
         add_slab(self.case, &self.flow, &self.march, &mut self.averages);
         context.statistics.add_bodies::<D, M>(&bodies, self.state().time, &report.totals, &self.walls_of_bodies());
         let row = history::row(&self.flow, report, &loads, &bodies, &context.statistics);
-        [row, self.observed()].concat()
+        [row, self.observed(context)].concat()
     }
 
     fn counts(&self) -> Counts {
@@ -259,10 +260,10 @@ where
         Failed::new((self.case, &self.flow), (&self.march, &last), error, statistics).examine()
     }
 
-    fn cut(&self, directory: &Path, at_end: bool) -> Result<(), OutputError> {
+    fn cut(&self, directory: &Path, due: Due) -> Result<(), OutputError> {
         let _timed = tracing::trace_span!(target: "cost", "output").entered();
         let source = |cells| self.state_in(cells);
-        cuts::write::<D, M>(self.case, (&self.at_points(), &source), directory, (self.state().slab, at_end))
+        cuts::write::<D, M>(self.case, (&self.at_points(), &source), directory, (self.state().slab, due))
     }
 
     fn leave(&self, directory: &Path) -> anyhow::Result<()> {

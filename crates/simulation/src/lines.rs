@@ -13,6 +13,18 @@ pub fn columns<const D: usize>(line: &Line<D>, formulas: &[FieldFormula]) -> Vec
     place.chain(names::<D>(&line.fields, formulas)).map(str::to_owned).collect()
 }
 
+/// What does not change with time in the rows of a line, after the time: the distances from the start, and the positions unless the mesh
+/// carries them.
+pub fn places<const D: usize>(line: &Line<D>) -> Vec<Vec<f64>> {
+    let position = |point: &[f64; D]| if line.carried { Vec::new() } else { point.to_vec() };
+    line.points.iter().map(|point| [vec![distance(line, point)], position(point)].concat()).collect()
+}
+
+/// The distance of a `point` from the start of a line.
+fn distance<const D: usize>(line: &Line<D>, point: &[f64; D]) -> f64 {
+    norm(&std::array::from_fn::<f64, D, _>(|i| point[i] - line.points[0][i]))
+}
+
 /// A row for each point; values are NaN where there is no mesh.
 pub fn rows<const D: usize, const M: usize>(
     flow: &FlowAtPoints<D>,
@@ -24,8 +36,7 @@ pub fn rows<const D: usize, const M: usize>(
     let state = state_at(source, &places);
     let count = names::<D>(&line.fields, flow.formulas).count();
     let row = |point: &[f64; D], place: &Option<(usize, [f64; D])>| {
-        let start = line.points[0];
-        let s = norm(&std::array::from_fn::<f64, D, _>(|i| point[i] - start[i]));
+        let s = distance(line, point);
         let (x, values) = match place {
             Some((cell, xi)) => {
                 let cell = flow.cell(*cell);

@@ -29,6 +29,9 @@ pub fn names<'a, const D: usize>(
     components.chain(formulas.iter().map(|formula| formula.name.as_str()))
 }
 
+/// A cell, and a reference point in it; `None` outside of the mesh.
+pub type Place<const D: usize> = Option<(usize, [f64; D])>;
+
 /// The flow on a moved mesh, to be observed at points.
 pub struct FlowAtPoints<'a, const D: usize> {
     /// The flow of the case.
@@ -46,22 +49,26 @@ pub struct FlowAtPoints<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> FlowAtPoints<'a, D> {
-    /// The values of the columns; NaN where a point is outside of the mesh.
-    pub fn row<const M: usize>(&self, probes: &[Probe<D>], source: &StateSource) -> Vec<f64> {
+    /// The cells of the points, and the places there; `None` outside of the mesh.
+    pub fn places(&self, probes: &[Probe<D>]) -> Vec<Place<D>> {
         let place = |probe: &Probe<D>| {
             if probe.carried { self.mover.reference.locate(&probe.at) } else { self.locate(&probe.at) }
         };
-        let places: Vec<Option<(usize, [f64; D])>> = probes.iter().map(place).collect();
-        let state = state_at(source, &places);
-        let value = |(probe, place): (&Probe<D>, &Option<(usize, [f64; D])>)| match place {
+        probes.iter().map(place).collect()
+    }
+
+    /// The values of the columns of points at these `places`; NaN outside of the mesh.
+    pub fn row<const M: usize>(&self, probes: &[Probe<D>], places: &[Place<D>], source: &StateSource) -> Vec<f64> {
+        let state = state_at(source, places);
+        let value = |(probe, place): (&Probe<D>, &Place<D>)| match place {
             Some((cell, xi)) => self.cell(*cell).values::<M>(&state, xi, &probe.fields),
             None => vec![f64::NAN; names::<D>(&probe.fields, self.formulas).count()],
         };
-        probes.iter().zip(&places).flat_map(value).collect()
+        probes.iter().zip(places).flat_map(value).collect()
     }
 
     /// The cell that contains `x` now, and the place there.
-    fn locate(&self, x: &[f64; D]) -> Option<(usize, [f64; D])> {
+    fn locate(&self, x: &[f64; D]) -> Place<D> {
         locate(self.mover.reference.order(), self.mover.reference.n_cells(), |cell| self.nodes(cell), x)
     }
 
@@ -77,10 +84,7 @@ impl<'a, const D: usize> FlowAtPoints<'a, D> {
 }
 
 /// The state in the cells of `places`.
-pub fn state_at<'a, const D: usize>(
-    source: &StateSource<'a>,
-    places: &[Option<(usize, [f64; D])>],
-) -> StateInCells<'a> {
+pub fn state_at<'a, const D: usize>(source: &StateSource<'a>, places: &[Place<D>]) -> StateInCells<'a> {
     source(places.iter().flatten().map(|place| place.0).collect())
 }
 

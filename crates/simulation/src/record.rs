@@ -1,5 +1,6 @@
 //! The output of every slab.
 
+mod checkpoint_schedule;
 mod draw;
 mod layout;
 mod mesh_view;
@@ -20,6 +21,7 @@ use crate::error::Failure;
 use crate::observer::{Positions, RunState, SlabFlow};
 use crate::session::Session;
 use case::Case;
+use checkpoint_schedule::CheckpointSchedule;
 use coupled::block::BodyState;
 pub use layout::result_bytes;
 use layout::{fingerprint, flow_order, layout, metadata};
@@ -27,11 +29,12 @@ use output::{
     ArrayInParts, ArraySpec, Checkpoint, History, Kept, Metadata, OutputError, Parts, ResultFile, ResultReader,
     SolverState,
 };
-use report::REPORT_FILE;
+use report::{COMPARISON_FILE, REPORT_FILE};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Instant;
 pub use step_parts::StepParts;
 use together::Moment;
 pub use together::write_state;
@@ -98,7 +101,7 @@ pub struct Recorder<'a, const D: usize, const M: usize> {
     result: ResultFile,
     /// `history.csv`.
     pub history: History,
-    slabs_since_checkpoint: usize,
+    checkpoints: CheckpointSchedule,
     told: Told,
 }
 
@@ -135,9 +138,9 @@ pub const COLUMNS: &str = "history_columns";
 /// Name of the log in the output directory.
 pub const LOG_FILE: &str = "log.jsonl";
 
-/// Files that are made from the result of a run, beside lines, slices and surfaces: those of averages, and the report.
+/// Files that are made from the result of a run, beside lines, slices and surfaces: those of averages, the report, and a comparison with others.
 pub fn made_from_results() -> Vec<&'static str> {
-    FILES_OF_AVERAGES.into_iter().chain([REPORT_FILE]).collect()
+    FILES_OF_AVERAGES.into_iter().chain([REPORT_FILE, COMPARISON_FILE]).collect()
 }
 
 /// Files of an earlier run beside its result: also the log. Where records are logged, the first one replaces the log.
@@ -177,7 +180,8 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         let told = Told::new::<D, M>(case, mesh);
         let history = history_after(stored.as_ref().map(|stored| &stored.state).or(origin), session, &told.columns)?;
         let parts = StepParts::new(case, mesh.clone());
-        let recorder = Recorder { parts, result, history, slabs_since_checkpoint: 0, told };
+        let checkpoints = CheckpointSchedule::new(case.output.checkpoint_every);
+        let recorder = Recorder { parts, result, history, checkpoints, told };
         Ok((recorder, stored))
     }
 
@@ -190,7 +194,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         let (result, stored) = ResultFile::resume(&session.directory, &metadata, &OfCells::names(), |_, _| Ok(()))?;
         self.result = result;
         self.history = history_after(Some(&stored.state), session, &self.told.columns)?;
-        self.slabs_since_checkpoint = 0;
+        self.checkpoints.go_back();
         Ok(stored)
     }
 
@@ -200,6 +204,14 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     /// A file that cannot be read.
     pub fn begins_at(&self, time: f64) -> Result<bool, Failure> {
         Ok(ResultReader::open(self.result.path())?.times == [time])
+    }
+
+    /// The times of all steps of the result.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn step_times(&mut self) -> Result<Vec<f64>, Failure> {
+        Ok(self.result.step_times()?)
     }
 
     /// Drops the fields and the distributions of a former end, where a run without interruption has none.
@@ -267,8 +279,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
 
     /// Counts a slab; returns whether a checkpoint is due.
     pub fn is_checkpoint_due(&mut self) -> bool {
-        self.slabs_since_checkpoint += 1;
-        self.slabs_since_checkpoint >= self.case().output.checkpoint_every
+        self.checkpoints.count(Instant::now())
     }
 
     /// Writes a checkpoint: what is `stored` with the history and the sums of the run.
@@ -277,11 +288,17 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     /// A file that cannot be written.
     pub fn checkpoint(&mut self, stored: Stored<'_>, statistics: &RunStatistics) -> Result<(), Failure> {
         let _timed = tracing::trace_span!(target: "cost", "output").entered();
+        let begin = Instant::now();
+        self.write_checkpoint(stored, statistics)?;
+        self.checkpoints.written(begin, Instant::now());
+        Ok(())
+    }
+
+    fn write_checkpoint(&mut self, stored: Stored<'_>, statistics: &RunStatistics) -> Result<(), Failure> {
         let Stored { mut state, mut long, together } = stored;
         state.arrays.extend(statistics.to_arrays());
         state.arrays.insert(HISTORY.into(), self.history.rows().to_vec().into());
         state.texts.insert(COLUMNS.into(), output::header(&self.told.columns));
-        self.slabs_since_checkpoint = 0;
         let case = self.case();
         let Some(together) = self.together(&together)? else { return Ok(self.result.checkpoint_with(&state, long)?) };
         long.iter_mut().for_each(|array| array.parts = Parts::OfAllRanks);

@@ -34,6 +34,9 @@ pub fn accept(
     if is_same || differences.as_ref().is_ok_and(|found| differs_in_tables_to_come(before, found, fingerprint)) {
         let changed = differences.unwrap_or_default().all;
         changed.iter().for_each(|difference| tracing::info!(%difference, "resumed with another setting"));
+        changed.iter().filter(|found| is_other_slice(found)).for_each(|found| {
+            tracing::warn!("{found}: the earlier files of the slice keep the former value, and do not tell it");
+        });
         return Ok(());
     }
     let differences =
@@ -49,6 +52,12 @@ pub fn accept(
         }
         None => "the mesh was moved alone there, and is solved with a flow here, or the other way round".to_owned(),
     })
+}
+
+/// Whether a difference gives a slice that both runs have another plane, or other parts or fields in it.
+fn is_other_slice(difference: &Difference) -> bool {
+    let key = difference.key.strip_prefix("output.slices.").and_then(|rest| rest.rsplit_once('.'));
+    key.is_some_and(|(_, key)| !["every", "csv"].contains(&key))
 }
 
 /// Whether the runs have the same fingerprint if the new one takes the tables of the old one, from which it differs only at times to come.
@@ -71,5 +80,18 @@ fn and_more(differences: &[Difference]) -> String {
     match differences.len() - 1 {
         0 => String::new(),
         more => format!(", and {more} more"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A slice in another plane went on in the same series without a word.
+    #[test]
+    fn another_plane_is_told_and_a_new_slice_is_not() {
+        let of = |key: &str| is_other_slice(&Difference { key: key.to_owned(), before: None, now: None });
+        assert!(of("output.slices.wake.point") && of("output.slices.wake.parts"));
+        assert!(!of("output.slices.wake") && !of("output.slices.wake.every") && !of("output.lines.wake.from"));
     }
 }

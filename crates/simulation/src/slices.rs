@@ -7,7 +7,7 @@ use super::cells::{StateInCells, StateSource};
 use super::probes::{CellAtPoints, FlowAtPoints, names};
 use case::Slice;
 use fem::parallel::{self, Grain};
-use mesh::CellMap;
+use mesh::{CellMap, Mesh};
 use output::{FieldSpec, PolyData};
 use report::fields;
 use report::simplices::{crossings, simplices};
@@ -27,10 +27,7 @@ pub fn cut<const D: usize, const M: usize>(flow: &FlowAtPoints<D>, slice: &Slice
     let lattice = basis::equidistant_points(slice.parts + 1);
     let map = CellMap::<D>::on_grid(flow.mover.reference.order(), &lattice);
     let tetrahedra = simplices::<D>(slice.parts);
-    let mut faces: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for side in mesh.boundary_facets().iter().map(|facet| facet.side) {
-        faces.entry(side.cell).or_default().push(side.face);
-    }
+    let faces = outer_faces(mesh);
     let of_plane = |cell| {
         let heights = plane.heights(&map.positions(&flow.nodes(cell)));
         let (plane, heights) = plane.seen(heights, faces.get(&cell).map_or(&[][..], |faces| faces), lattice.len())?;
@@ -44,6 +41,17 @@ pub fn cut<const D: usize, const M: usize>(flow: &FlowAtPoints<D>, slice: &Slice
     };
     let pieces = parallel::map(cut.len(), Grain::Any, &|number| of_cell(&cut[number]));
     joined::<D>(flow, slice, &pieces)
+}
+
+/// The faces of cells where the mesh ends: at boundaries, and at periodic ones, whose other side lies elsewhere.
+fn outer_faces<const D: usize>(mesh: &Mesh<D>) -> BTreeMap<usize, Vec<usize>> {
+    let periodic = mesh.interior_facets().iter().filter(|facet| facet.periodic);
+    let sides = periodic.flat_map(|facet| [facet.minus, facet.plus]);
+    let mut faces: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for side in mesh.boundary_facets().iter().map(|facet| facet.side).chain(sides) {
+        faces.entry(side.cell).or_default().push(side.face);
+    }
+    faces
 }
 
 /// A plane with its unit normal.
@@ -66,7 +74,7 @@ impl<const D: usize> Plane<D> {
     }
 
     /// The plane and the heights above it of a cell that it cuts. Points on the plane count to its upper side, so that a face between two cells
-    /// is cut once. Where one of the `faces` on the boundary lies on the plane and the cell above it, nothing is below: the plane is seen from
+    /// is cut once. Where one of the outer `faces` lies on the plane and the cell above it, nothing is below: the plane is seen from
     /// the other side. A lattice has `n` points per direction.
     fn seen(&self, heights: Vec<f64>, faces: &[usize], n: usize) -> Option<(Self, Vec<f64>)> {
         if heights.iter().any(|h| *h < 0.0) {

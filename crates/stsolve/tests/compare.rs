@@ -58,3 +58,20 @@ fn figures_and_columns_of_one_run_alone_are_told() {
     let compared: Value = serde_json::from_str(&stsolve(at, &["compare", "without", "with", "--json"]).stdout).unwrap();
     assert_eq!(compared["alone"]["summary.json"], "with", "{compared}");
 }
+
+/// A run that had failed did not differ from one that had reached its end.
+#[test]
+fn a_run_that_is_not_completed_differs() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    for output in ["whole", "failed"] {
+        on_case(at, "run", "vortex", &SHORT, output, &[]).expect(0, &[]);
+    }
+    let file = at.join("failed/summary.json");
+    let summary = std::fs::read_to_string(&file).unwrap();
+    let failed = summary.replace("\"completed\": true", "\"completed\": false");
+    assert_ne!(failed, summary);
+    std::fs::write(&file, failed).unwrap();
+    let compared: Value = serde_json::from_str(&stsolve(at, &["compare", "whole", "failed", "--json"]).stdout).unwrap();
+    assert_eq!(compared["figures"]["completed"], serde_json::json!([1.0, 0.0]), "{compared}");
+}

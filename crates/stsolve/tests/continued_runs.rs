@@ -96,6 +96,48 @@ fn a_run_with_a_later_end_writes_what_a_single_run_writes() {
     assert_eq!(series(&one), series(&other));
 }
 
+/// The last state of a run that stopped was in no step, line or series until the run went on; what is written there now must go again.
+#[test]
+fn a_run_that_stops_early_writes_its_last_state_and_a_resumed_run_drops_it() {
+    let directory = TempDir::new().unwrap();
+    let set = [
+        "output.every=4",
+        "output.surfaces={walls=[\"top\"],every=4}",
+        "output.lines.a={from=[0.1,0.1],to=[0.9,0.9],points=3,every=4}",
+    ];
+    let fails = "solver={newton_steps=1,newton_tolerance=1e-12,slab_halvings=0,fallback=\"none\"}";
+    let go = |more: &[&str], output: &str, extra: &[&str]| {
+        heated(directory.path(), "run", &[&set[..], more].concat(), &[&["--output", output], extra].concat())
+    };
+    go(&[], "through", &[]).expect(0, &[]);
+    go(&["time.end=0.2"], "run", &[]).expect(0, &[]);
+    let result = |run: &str| ResultReader::open(&directory.path().join(run).join(RESULT_FILE)).unwrap();
+    let series = |run: &str| result(run).series("surface_top").unwrap().unwrap().times;
+    let line = |run: &str| fs::read_to_string(directory.path().join(run).join("line_a.csv")).unwrap();
+    // Once more: the state is still there once.
+    for _ in 0..2 {
+        go(&[fails], "run", &["--resume"]).expect(1, &["run stopped at t = 0.2;"]);
+        assert_eq!((result("run").times, series("run")), (vec![0.0, 0.2], vec![0.2]));
+        assert_eq!(line("run").lines().filter(|row| row.starts_with("0.2,")).count(), 3);
+    }
+    go(&[], "run", &["--resume"]).expect(0, &[]);
+    assert_eq!((result("run").times, series("run")), (result("through").times, series("through")));
+    let times = |run: &str| line(run).lines().map(|row| row.split(',').next().unwrap().to_owned()).collect::<Vec<_>>();
+    assert_eq!(times("run"), times("through"));
+}
+
+/// VTK could not read a file without any step.
+#[test]
+fn phases_that_no_slab_has_reached_have_no_file() {
+    let directory = TempDir::new().unwrap();
+    let averages = "output.averages={from=1.25,period=0.2,phases=2,fields=[\"pressure\"]}";
+    let has_file = |end: &str, run: &str| {
+        heated(directory.path(), "run", &[averages, end], &["--output", run]).expect(0, &[]);
+        directory.path().join(run).join("phases.vtkhdf").exists()
+    };
+    assert!(!has_file("time.end=1", "before") && has_file("time.end=2", "through"));
+}
+
 /// A short last slab that could not be solved left its rest to the next slab, which was longer than `time.step`.
 #[test]
 fn no_slab_is_longer_after_a_short_one_that_failed() {

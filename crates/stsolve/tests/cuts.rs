@@ -245,6 +245,28 @@ fn a_slice_on_a_step_is_whole() {
     }
 }
 
+/// The slice at the lower of two periodic sides was empty for one direction of the normal, and that at the upper one for the other.
+#[test]
+fn slices_on_periodic_planes_are_whole() {
+    let directory = TempDir::new().unwrap();
+    let planes = [("a", 0.0, 1), ("b", 0.0, -1), ("c", 2.0, 1), ("d", 2.0, -1)];
+    let slice = |(name, z, normal): (&str, f64, i32)| {
+        format!("[output.slices.{name}]\npoint=[0,0,{z:?}]\nnormal=[0,0,{normal}]\nfields=[\"pressure\"]\n")
+    };
+    let case = format!(
+        "[mesh]\norder=2\n[mesh.generate.box]\nlower=[0,0,0]\nupper=[1,1,2]\ncells=[2,2,2]\nperiodic=[\"x\",\"y\",\"z\"]\n\
+         [flow]\norder=2\nreference={{density=1,speed=1,pressure=8}}\ninitial={{uniform={{density=1,velocity=[0,0,0],pressure=8}}}}\n\
+         [time]\norder=1\nend=0.1\nslabs=1\n{}",
+        planes.map(slice).concat()
+    );
+    fs::write(directory.path().join("case.toml"), case).unwrap();
+    stsolve(directory.path(), &["run", "case.toml", "--output", "run"]).expect(0, &[]);
+    for (name, ..) in planes {
+        let text = fs::read_to_string(directory.path().join(format!("run/slice_{name}/slab_000001.vtp"))).unwrap();
+        assert!((area(&text) - 1.0).abs() < 1e-12, "{name}: {}", area(&text));
+    }
+}
+
 /// Slices of a curved mesh that moves.
 #[test]
 fn a_slice_of_curved_cells_is_plane() {

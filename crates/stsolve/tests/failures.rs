@@ -84,6 +84,28 @@ fn a_cell_that_inverts_stops_the_run_at_the_last_good_slab() {
     }
 }
 
+/// The state that one must look at after a failure was in no step for ParaView and in no row of a line.
+#[test]
+fn the_last_state_of_a_failed_run_is_a_step() {
+    let directory = TempDir::new().unwrap();
+    let set = [
+        "mesh.generate.box.cells=[3,3]",
+        "constants.stretch=1.5",
+        "time.step=0.4",
+        "time.end=4",
+        "solver.slab_halvings=2",
+        "output.every=50",
+        "output.lines.a={from=[0.1,0.1],to=[0.3,0.2],points=2,every=50}",
+    ];
+    on_case(directory.path(), "run", "vortex", &set, "run", &[]).expect(1, &["run stopped at t = 0.9;"]);
+    let run = directory.path().join("run");
+    let last = last_good_time(&run);
+    let result = output::inspect(&run.join("result.vtkhdf")).unwrap();
+    assert_eq!(result.times, [0.0, last]);
+    let line = std::fs::read_to_string(run.join("line_a.csv")).unwrap();
+    assert_eq!(line.lines().skip(1).filter(|row| row.starts_with(&format!("{last:?},"))).count(), 2, "{line}");
+}
+
 /// A table that ends within the run: the mesh was blamed, and the split form tried.
 #[test]
 fn formulas_without_a_value_are_named() {

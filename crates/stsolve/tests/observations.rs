@@ -29,6 +29,10 @@ fn points_and_integrals_of_a_uniform_stream_are_exact() {
     }
     // The corner of the mesh moves away from the point, and comes back never.
     assert!(column(&run, "corner_density").iter().any(|density| density.is_nan()));
+    // That was told nowhere.
+    let log = fs::read_to_string(run.join("log.jsonl")).unwrap();
+    assert_eq!(log.matches("the point `corner` is outside of the mesh at t = ").count(), 1);
+    assert_eq!(log.matches("is outside of the mesh").count(), 1);
     let mass = column(&run, "mass");
     let kinetic: Vec<f64> = column(&run, "kinetic_energy").iter().zip(&mass).map(|(k, mass)| k / mass).collect();
     assert!(largest_error(&kinetic, 0.125) < 1e-12, "{kinetic:?}");

@@ -254,6 +254,9 @@ fn runs_are_laid_over_each_other() {
     assert!(page.contains("<th scope=\"row\">flow.order</th><td>3</td><td>4</td>"));
     assert!(page.contains("<tr class=\"differs\"><th scope=\"row\">unknowns: flow</th>"));
     assert!(!page.contains("src=\"http") && !page.contains("href=\"http"), "the page loads something");
+    let again = [&SMALL[..], &["flow.order=3"]].concat();
+    on_case(directory.path(), "run", "vortex", &again, "coarse", &["--force"]).expect(0, &[]);
+    assert!(!directory.path().join("coarse/comparison.html").exists(), "a comparison of the replaced run");
     stsolve(directory.path(), &["report", "coarse", "nowhere"]).expect(2, &["`nowhere` is not the directory of a run"]);
 }
 

@@ -53,8 +53,8 @@ impl Time {
 pub struct Output {
     /// The directory given in the case; None: the default.
     pub directory: Option<PathBuf>,
-    /// Slabs between checkpoints.
-    pub checkpoint_every: usize,
+    /// Slabs between checkpoints; None: spaced by their own duration.
+    pub checkpoint_every: Option<usize>,
     /// Slabs between fields.
     pub every: usize,
     /// Fields for display.
@@ -182,7 +182,7 @@ pub(super) fn check_output(checker: &Checker<'_>, raw: &raw::Output) -> Checked<
     let surfaces = raw.surfaces.as_ref();
     let output = Output {
         directory: raw.directory.as_deref().map(|directory| checker.beside_case(directory)),
-        checkpoint_every: errors.note(positive("checkpoint_every", raw.checkpoint_every)).unwrap_or(1),
+        checkpoint_every: raw.checkpoint_every.and_then(|slabs| errors.note(positive("checkpoint_every", slabs))),
         every: errors.note(positive("every", raw.every)).unwrap_or(1),
         fields: errors.list(checker.distinct(&key.child("fields"), "field", &raw.fields).map(<[_]>::to_vec)),
         surfaces: surfaces.map_or_else(Vec::new, |surfaces| surfaces.walls.clone()),

@@ -2,7 +2,7 @@
 
 use super::{Call, Run};
 use crate::context::{RunContext, Stop};
-use crate::cuts::Reached;
+use crate::cuts::{Due, Reached};
 use crate::error::Failure;
 use crate::frame_checks::jump_of_centrifugal_force;
 use crate::occupied::{self, Beginning};
@@ -55,7 +55,7 @@ pub(super) fn cut_files<const D: usize, const M: usize>(
 }
 
 /// Where `run` stands.
-fn reached(run: &dyn Run) -> Reached {
+pub(super) fn reached(run: &dyn Run) -> Reached {
     let coupled::State { time, slab: slabs, .. } = *run.state();
     Reached { time, slabs, is_end: run.is_done(), is_start: false }
 }
@@ -105,13 +105,14 @@ pub(super) fn begin<const D: usize, const M: usize>(
     if let Some(row) = row {
         controls::follow_steady_flow(recorder.case(), &context.control_columns, &row, &mut context.statistics);
         recorder.history.push(&[row, controls::values(recorder.case())].concat())?;
-        // The steady flow that the run begins with has distributions along walls; another initial state has none worth keeping.
-        if recorder.case().output.surfaces_every.is_some() {
+        // The steady flow that the run begins with has distributions along walls; another initial state has none worth keeping. Without
+        // intervals there are those of the end alone, which may be here.
+        if recorder.case().output.surfaces_every.is_some() || run.is_done() {
             append_surfaces(run, recorder)?;
         }
         recorder.checkpoint(run.store(), &context.statistics)?;
     }
-    run.cut(directory, true)?;
+    run.cut(directory, Due::All)?;
     Ok(None)
 }
 

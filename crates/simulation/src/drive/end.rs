@@ -2,6 +2,7 @@
 
 use super::Run;
 use super::fall_back::is_held;
+use super::slabs::write_last_state;
 use crate::context::{RunContext, Stop};
 use crate::crew::OtherMesh;
 use crate::error::Failure;
@@ -26,6 +27,9 @@ pub(super) fn close<const D: usize, const M: usize>(
         _ => is_held(run),
     };
     if !keeps_checkpoint {
+        if stop.is_some() {
+            write_last_state(run, recorder, session.directory.path())?;
+        }
         recorder.checkpoint(run.store(), &context.statistics)?;
     }
     session.observer.finish();

@@ -3,6 +3,7 @@
 use crate::averages::AverageSums;
 use crate::context::{RunContext, Stop};
 use crate::crew::Together;
+use crate::cuts::Due;
 use crate::error::Failure;
 use crate::failure::Finding;
 use crate::record::Stored;
@@ -77,11 +78,11 @@ pub(crate) trait Run {
     fn summary(&mut self, context: &RunContext, stop: Option<&Stop>) -> Summary;
     /// Examines the `error` of a failed slab.
     fn examine(&self, error: &anyhow::Error, statistics: &RunStatistics) -> Finding;
-    /// Writes the lines and slices that are due into `directory`; all of them at the start and the end.
+    /// Writes the lines and slices that are `due` into `directory`.
     ///
     /// # Errors
     /// A file that cannot be written.
-    fn cut(&self, _directory: &Path, _at_end: bool) -> Result<(), OutputError> {
+    fn cut(&self, _directory: &Path, _due: Due) -> Result<(), OutputError> {
         Ok(())
     }
     /// Distributions along walls at the end of the last slab, with their descriptions.

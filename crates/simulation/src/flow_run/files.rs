@@ -28,7 +28,9 @@ where
         let Some(wanted) = self.case.averages.as_ref().filter(asked) else { return Ok(()) };
         let sums = &*self.whole_averages();
         let (mover, order) = (&self.march.solver.system.mesh.mover, self.flow.order);
-        if let Some(phases) = wanted.phases {
+        // A file without a step is an error for its readers.
+        let has_begun = sums.durations.iter().any(|duration| *duration > 0.0);
+        if let Some(phases) = wanted.phases.filter(|_| has_begun) {
             PhaseFile { wanted, sums, mover, order }.write(directory, phases)?;
         }
         if let Some(files) = AlongFiles::new(wanted, sums, &mover.reference, order) {

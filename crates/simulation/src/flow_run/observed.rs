@@ -102,7 +102,7 @@ where
     }
 
     /// The mean states at openings, the flow at the points of the case, and its integrals.
-    pub(super) fn observed(&self) -> Vec<f64> {
+    pub(super) fn observed(&self, context: &mut RunContext) -> Vec<f64> {
         let (state, mover) = (self.state(), &self.march.solver.system.mesh.mover);
         let velocity = state.past.as_ref().map_or(&[][..], |past| top(&past.v, &state.d));
         let at_openings = match history::openings(&self.flow).next() {
@@ -112,11 +112,19 @@ where
             }
             None => Vec::new(),
         };
-        let at_points = match &self.case.observed.probes[..] {
-            [] => Vec::new(),
-            probes => self.at_points().row::<M>(probes, &|cells| self.state_in(cells)),
-        };
-        [at_openings, at_points, self.integrals()].concat()
+        [at_openings, self.observed_at_points(context), self.integrals()].concat()
+    }
+
+    /// The flow at the points of the case. Warns of each one that the mesh has left.
+    fn observed_at_points(&self, context: &mut RunContext) -> Vec<f64> {
+        let (probes, flow) = (&self.case.observed.probes, self.at_points());
+        if probes.is_empty() {
+            return Vec::new();
+        }
+        let places = flow.places(probes);
+        let outside = probes.iter().zip(&places).filter(|(_, place)| place.is_none());
+        outside.for_each(|(probe, _)| context.warn_once_of_point(&probe.name, flow.time));
+        flow.row::<M>(probes, &places, &|cells| self.state_in(cells))
     }
 
     /// The integrals that the case asks for.

@@ -35,7 +35,7 @@ where
         context.observer.say(&format!("steady flow: {:.1} s", context.seconds()));
         context.observer.begin_slabs();
         let row = history::row(&self.flow, &report, &loads, &self.march.bodies(), &context.statistics);
-        Ok([row, self.observed()].concat())
+        Ok([row, self.observed(context)].concat())
     }
 
     /// The steady flow with the loads of the equilibrium, if bodies were released.

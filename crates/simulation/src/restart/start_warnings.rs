@@ -1,9 +1,18 @@
 //! Warnings about keys of the start that a restart does not take as they may be meant.
 
 use super::{Origin, RestartError, is_in};
-use case::{Case, searches_steady_flow, start_of};
+use case::{Case, Difference, searches_steady_flow, start_of};
 use coupled::{State, rounded_time};
 use output::Arrays;
+
+/// Whether a difference changes the meaning of columns that both runs have. A point or a formula that is new has columns of its own, and the
+/// fields of a point are columns.
+fn redefines(Difference { key, before, now }: &Difference) -> bool {
+    let is_kept = before.is_some() && now.is_some() || key.split('.').count() > 3;
+    let of_points = ["output.probes", "output.formulas"].iter().any(|table| is_in(key, table));
+    let of_forces = ["flow.forces", "flow.reference"].iter().any(|table| is_in(key, table));
+    of_forces || of_points && is_kept && !key.ends_with(".fields")
+}
 
 impl Origin {
     /// Warnings about the start of `case` from the `state` of the run, which has the given `sums`, unless the case `searches_anew` a steady flow.
@@ -17,7 +26,22 @@ impl Origin {
         let start = self.misunderstood_start(case, state.time)?;
         let search = if searches_anew { None } else { self.of_search(case, state, sums)? };
         let unused = self.unused_keys(case, state)?;
-        Ok(start.into_iter().chain(search).chain(unused).collect())
+        let columns = if searches_anew { None } else { self.other_columns(case, state)? };
+        Ok(start.into_iter().chain(search).chain(unused).chain(columns).collect())
+    }
+
+    /// A warning about keys of `case` that give columns of history.csv another meaning than they have in the rows of the run.
+    fn other_columns<const D: usize>(&self, case: &Case<D>, state: &State) -> Result<Option<String>, RestartError> {
+        let found = self.differences(case)?.all;
+        let keys: Vec<String> =
+            found.iter().filter(|found| redefines(found)).map(|found| format!("`{}`", found.key)).collect();
+        let (path, time) = (self.path.display(), rounded_time(state.time));
+        Ok((!keys.is_empty()).then(|| {
+            format!(
+                "{} differs from that of `{path}`: rows of history.csv up to t = {time}, and sums over them, have the former value",
+                keys.join(", ")
+            )
+        }))
     }
 
     /// Warnings about keys that are new in `case` and act at the start of a run only, although the run has marched.
@@ -81,5 +105,25 @@ impl Origin {
                 self.path.display()
             )
         }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_new_point_redefines_no_column_and_another_place_does() {
+        let of = |key: &str, before: Option<&str>, now: Option<&str>| {
+            let [before, now] = [before, now].map(|value| value.map(str::to_owned));
+            redefines(&Difference { key: key.to_owned(), before, now })
+        };
+        assert!(of("output.probes.wake.at", Some("[2, 0]"), Some("[0, 3]")));
+        assert!(of("output.probes.wake.carried", None, Some("true")));
+        assert!(of("output.formulas.a", Some("pressure"), Some("density")));
+        assert!(of("flow.forces.wall.area", None, Some("2")) && of("flow.forces", None, Some("{ wall.area = 2 }")));
+        assert!(!of("output.probes.wake", None, Some("{ at = [0, 3] }")), "a new column");
+        assert!(!of("output.probes.wake.fields", Some("[]"), Some("[\"mach\"]")), "other columns");
+        assert!(!of("output.every", Some("1"), Some("2")));
     }
 }

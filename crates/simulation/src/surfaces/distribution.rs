@@ -138,7 +138,7 @@ impl<const D: usize> SurfaceFlow<'_, D> {
         for (row, [_, of_mesh]) in rows.iter_mut().zip(&points.functions) {
             let at_point =
                 |of_nodes: &[f64]| of_nodes.iter().zip(&nodes).map(|(s, node)| s * of_mesh[*node]).sum::<f64>();
-            row[0] = of_nodes.map_or(f64::NAN, at_point).rem_euclid(1.0);
+            row[0] = fraction(of_nodes.map_or(f64::NAN, at_point));
         }
     }
 
@@ -281,6 +281,12 @@ impl<const D: usize> SurfaceFlow<'_, D> {
     }
 }
 
+/// The fraction of the arc at a point where its polynomial gives `s`. The end of the arc is 1: a curve of it would go back to the start otherwise.
+fn fraction(s: f64) -> f64 {
+    const ROUND_OFF: f64 = 1e-12;
+    if (-ROUND_OFF..=1.0 + ROUND_OFF).contains(&s) { s.clamp(0.0, 1.0) } else { s.rem_euclid(1.0) }
+}
+
 /// The normal out of the domain, and the area of the facet per area of the reference face.
 fn unit_normal<const D: usize, const M: usize>(here: &Here<'_, D, M>) -> ([f64; D], f64) {
     let area = outward_area(&here.jacobian, here.face);
@@ -292,4 +298,17 @@ fn unit_normal<const D: usize, const M: usize>(here: &Here<'_, D, M>) -> ([f64; 
 pub fn physical<const D: usize, const M: usize>(slopes: &[[f64; M]; D], jacobian: &[[f64; D]; D]) -> [[f64; M]; D] {
     let (cof, det) = (cofactor(jacobian), det(jacobian));
     std::array::from_fn(|k| std::array::from_fn(|m| (0..D).map(|j| cof[k][j] * slopes[j][m]).sum::<f64>() / det))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fraction;
+
+    /// The last point of a closed wall had s = 0, if the points include the ends of facets.
+    #[test]
+    fn the_end_of_an_arc_is_at_one() {
+        assert_eq!([0.0, -1e-16, 0.3, 1.0, 1.0 + 1e-15].map(fraction), [0.0, 0.0, 0.3, 1.0, 1.0]);
+        assert!((fraction(-0.01) - 0.99).abs() < 1e-15 && (fraction(1.01) - 0.01).abs() < 1e-15);
+        assert!(fraction(f64::NAN).is_nan(), "a wall that is no closed curve");
+    }
 }

@@ -254,7 +254,8 @@ fn zero(row: &Row, next: &Row, jump: [f64; 2], length: f64) -> Option<Zero> {
     let (here, there) = (row.means[SKIN_FRICTION], next.means[SKIN_FRICTION]);
     let part = here / (here - there);
     let between = |a: f64, b: f64| a + part * (b - a);
-    let end = if next.place < row.place { next.place + length } else { next.place };
+    // An end of facets that occurs twice has the same place to round-off, and does not begin the curve anew.
+    let end = if next.place < row.place - 0.5 * length { next.place + length } else { next.place.max(row.place) };
     // A row without friction counts to the negative side.
     (here != there && (here > 0.0) != (there > 0.0) && !part.is_nan()).then(|| Zero {
         kind: if here > 0.0 { "separation" } else { "attachment" },

@@ -80,10 +80,12 @@ impl Run {
     }
 }
 
-/// The numbers in `value` by their paths.
+/// The numbers in `value` by their paths; true is 1 and false 0.
 fn collect(path: &str, value: &Value, numbers: &mut Vec<(String, f64)>) {
     let below = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
     match value {
+        // Whether a run is completed, for instance.
+        Value::Bool(is_true) => numbers.push((path.to_owned(), f64::from(u8::from(*is_true)))),
         Value::Number(number) => numbers.push((path.to_owned(), number.as_f64().unwrap_or(f64::NAN))),
         Value::Array(entries) => {
             entries.iter().enumerate().for_each(|(i, entry)| collect(&format!("{path}[{i}]"), entry, numbers));

@@ -82,6 +82,19 @@ fn a_restart_finds_its_columns_by_their_names() {
     assert_eq!(of("second", "entropy").iter().map(|s| s.is_nan()).collect::<Vec<_>>(), [true, true, false, false]);
 }
 
+/// The columns of a point went on at another place without a word.
+#[test]
+fn columns_that_mean_something_else_after_a_restart_are_told() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    run(at, &["output.probes.w={at=[5,5]}"], 0.4, "first").expect(0, &[]);
+    let told = ["`output.probes.w.at` differs from that of", "rows of history.csv up to t = 0.4"];
+    run(at, &["output.probes.w={at=[4,6]}", &from(at, "first")], 0.8, "second").expect(0, &told);
+    let same = run(at, &["output.probes={w={at=[5,5]},v={at=[4,6]}}", &from(at, "first")], 0.8, "third");
+    same.expect(0, &[]);
+    assert!(!same.stderr.contains("history.csv up to"), "{}", same.stderr);
+}
+
 /// The integrals by other points differ by much more than a scheme may lose.
 #[test]
 fn a_restart_with_another_quadrature_begins_its_balances_anew() {

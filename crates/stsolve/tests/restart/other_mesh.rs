@@ -69,7 +69,11 @@ fn a_steady_flow_continues_on_a_finer_mesh() {
     let at = directory.path();
     let steady = "time = { order = 1, end = 0, step = 1 }\nsolver.steady.tolerance = 1e-10";
     let case = |cells: usize| wall(cells, [2.0, 1.0], steady);
-    on_text(at, &case(4), &[], "coarse", &[]).expect(0, &[]);
+    on_text(at, &case(4), &["output.surfaces.walls=[\"bottom\"]"], "coarse", &[]).expect(0, &[]);
+    // The distribution was in a file alone, without intervals.
+    let series =
+        output::ResultReader::open(&at.join("coarse/result.vtkhdf")).unwrap().series("surface_bottom").unwrap();
+    assert_eq!(series.unwrap().times, [0.0]);
     on_text(at, &case(8), &[], "direct", &[]).expect(0, &[]);
     on_text(at, &case(8), &[&from(at, "coarse"), "restart.allow=[\"mesh\"]"], "continued", &[]).expect(0, &[]);
     let of =

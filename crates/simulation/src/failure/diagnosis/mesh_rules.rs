@@ -98,7 +98,8 @@ pub fn far_in_one_slab(data: &FailureData) -> Option<Cause> {
     let travel = data.mesh.travel;
     // A nonlinear law must be solved by iteration; a linear law is not affected.
     let weight = if data.gave_up == GaveUp::Equilibrium { 0.95 } else { 0.85 };
-    (travel > 0.0).then(|| Cause {
+    // Every mesh that moves has a travel: a small one is no cause.
+    (travel > 0.1).then(|| Cause {
         name: "far_in_one_slab",
         likelihood: 0.05 + weight * rises(travel, 1.0),
         what: format!("the boundary moves by {} thicknesses of its cells in one slab", number(travel)),

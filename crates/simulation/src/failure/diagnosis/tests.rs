@@ -198,8 +198,10 @@ fn a_fact_of_the_mesh_names_its_cause() {
     let mut data = nothing_suspicious();
     // Bodies move the mesh: no displacement is prescribed.
     moves(&mut data, Motion::Elastic, GaveUp::InvertedCell);
-    data.mesh.travel = 0.0;
-    assert!(causes(&data).iter().all(|cause| cause.name != "far_in_one_slab"));
+    for travel in [0.0, 0.00133] {
+        data.mesh.travel = travel;
+        assert!(causes(&data).iter().all(|cause| cause.name != "far_in_one_slab"), "{travel}");
+    }
     let mut data = nothing_suspicious();
     moves(&mut data, Motion::Prescribed, GaveUp::InvertedCell);
     assert_eq!(causes(&data)[0].name, "folding_formula");

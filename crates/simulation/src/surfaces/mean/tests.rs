@@ -187,6 +187,17 @@ fn a_zero_at_a_row_is_found_once() {
     assert!(zero(&row(0, f64::NAN), &row(1, 1.0), [0.0; 2], 1.0).is_none());
 }
 
+/// With points at the ends of facets, the front of a cylinder was at s = 1 instead of 0.5.
+#[test]
+fn a_zero_between_two_rows_at_one_place_stays_there() {
+    let mut rows = rows_of(&[-1.0, -1.0, 1.0, 1.0]);
+    let places = [0.25, 0.500_000_000_000_000_1, 0.5, 0.75];
+    rows.iter_mut().zip(places).for_each(|(row, place)| row.place = place);
+    let zeros = parts(&rows, &[ring(4)], true)[0].zeros();
+    assert_eq!(zeros[0].kind, "attachment");
+    assert!((zeros[0].place - 0.5).abs() < 1e-15, "{}", zeros[0].place);
+}
+
 /// The lengths weighted the times.
 #[test]
 fn a_wall_that_becomes_longer_has_its_mean_over_time() {
