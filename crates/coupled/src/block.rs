@@ -204,6 +204,14 @@ pub trait Body: Block {
     /// polynomials.
     fn add_velocity_at_top(&self, _z: &[f64], _velocity: &mut [f64]) {}
 
+    /// Whether the slab is short enough for what the body has met in it, with the unknowns `z`.
+    ///
+    /// # Errors
+    /// [`SlabError::EnergyGain`] if not.
+    fn check_energy(&self, _z: &[f64]) -> Result<(), SlabError> {
+        Ok(())
+    }
+
     /// Replaces its `stored` state by that at the top of the slab with the unknowns `z`.
     fn end_slab(&mut self, z: &[f64], stored: &mut Vec<f64>);
 }

@@ -33,6 +33,18 @@ pub enum SlabError {
         /// The length of the rotation vector.
         angle: f64,
     },
+    /// A body meets its stops in a slab that is too long for the contact: the time integration gives it energy.
+    #[error(
+        "the slab is too long for the contact of body \"{body}\" with its stops: the time integration adds {:.1} % to the energy of the body. Take shorter \
+         slabs, softer stops, or `time.adaptive`",
+        100.0 * gain
+    )]
+    EnergyGain {
+        /// The body.
+        body: String,
+        /// The energy that it gains, relative to its energy.
+        gain: f64,
+    },
     /// The guess that stays as it is at the bottom of the slab is not admissible.
     #[error("no admissible guess")]
     Guess(#[from] Inadmissible),

@@ -100,6 +100,9 @@ pub struct RigidBody<const D: usize> {
 /// A rotation vector is accurate up to this length, a little less than 2 pi.
 const LARGEST_TURN: f64 = 6.1;
 
+/// The largest part of its energy that the time integration may give to a body on its stops in a slab.
+const LARGEST_GAIN: f64 = 0.01;
+
 impl<const D: usize> RigidBody<D> {
     /// Body number `number` of a run with the slabs of `times`.
     pub fn new(data: RigidBodyData, surface: Surface<D>, number: usize, times: SlabTimes) -> Self {
@@ -329,6 +332,13 @@ impl<const D: usize> Body for RigidBody<D> {
         }
         let of_surface = derivatives(&self.data.displacement(&self.surface.nodes, &along(&q, &rates)));
         self.surface.add_to_field(&of_surface, velocity);
+    }
+
+    fn check_energy(&self, z: &[f64]) -> Result<(), SlabError> {
+        match self.energy_gain(z) {
+            gain if gain > LARGEST_GAIN => Err(SlabError::EnergyGain { body: self.data.name.clone(), gain }),
+            _ => Ok(()),
+        }
     }
 
     fn end_slab(&mut self, z: &[f64], stored: &mut Vec<f64>) {

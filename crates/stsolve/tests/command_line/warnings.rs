@@ -135,6 +135,11 @@ fn check_warns_of_doubtful_bodies() {
     assert!(warns(cylinder, &["bodies.cylinder.y={spring=-1}"], "spring"));
     let stops = |lower: f64| format!("bodies.cylinder.y={{spring=1,stops={{lower={lower},upper=2,stiffness=10}}}}");
     assert!(warns(cylinder, &[&stops(1.0)], "stops") && !warns(cylinder, &[&stops(-1.0)], "stops"));
+    // Contacts of pi (2 / stiffness)^1/2 in slabs of 0.2; slabs that adapt resolve them.
+    let stiff = "bodies.cylinder.y={spring=1,stops={lower=-1,upper=2,stiffness=1e4}}";
+    assert!(
+        warns(cylinder, &[stiff], "stops") && !warns(cylinder, &[stiff, "time.adaptive={tolerance=0.01}"], "stops")
+    );
     // The same stream stands at three places of this case.
     assert!(warns(cylinder, &["flow.boundary.far.far_field.mach=0.05"], "opening") && !warns(cylinder, &[], "opening"));
     assert!(warns(cylinder, &["flow.boundary.far.far_field.velocity=[2,0]"], "reference state"));

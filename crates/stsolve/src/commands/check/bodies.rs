@@ -6,15 +6,25 @@ use super::warnings::{Warning, warning};
 use case::{Flow, Freedom, RigidBody};
 use coupled::blocks::rigid_body::Freedom as Direction;
 use simulation::wall_that_follows;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use tensor::dot;
 
 /// A spring with fewer nodes in a period hardly swings.
 const FEW_NODES: f64 = 4.0;
 
+/// A contact with a stop that lasts fewer slabs changes the energy of the body by more than a few per cent.
+const FEW_SLABS: f64 = 6.0;
+
 /// All of them.
-pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> [Option<Warning>; 5] {
-    [wall_beside_body(facts, flow), weightless(facts, flow), stiff_spring(facts), negative(facts), beyond_stops(facts)]
+pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> [Option<Warning>; 6] {
+    [
+        wall_beside_body(facts, flow),
+        weightless(facts, flow),
+        stiff_spring(facts),
+        stiff_stops(facts),
+        negative(facts),
+        beyond_stops(facts),
+    ]
 }
 
 /// A wall beside a body that follows it by weights changes its shape, or drags gas along.
@@ -71,6 +81,30 @@ fn stiff_spring<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
         period * time.order as f64 / NODES_PER_PERIOD
     );
     warning("spring", text)
+}
+
+/// Stops that turn a body back within a few slabs: a bounce may then multiply its energy.
+fn stiff_stops<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
+    let time = &facts.case.time;
+    // Slabs that adapt resolve the contact, and an equilibrium needs no motion.
+    if time.control.is_some() || time.end == time.start {
+        return None;
+    }
+    let contacts = coordinates(facts).filter(|(_, freedom)| freedom.motion.is_none()).filter_map(|(body, freedom)| {
+        let contact = PI * (inertia(body, &freedom.direction) / freedom.stops?.stiffness).sqrt();
+        Some((contact, &body.name, freedom.name))
+    });
+    let (contact, body, coordinate) = contacts.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let slabs = contact / time.step;
+    if slabs >= FEW_SLABS {
+        return None;
+    }
+    let text = format!(
+        "a contact of `bodies.{body}.{coordinate}` with its stops lasts {contact:.2e}, which is {slabs:.2} slabs: the energy of the body is wrong \
+         after it; `time.step` of {:.2e} or less, softer stops, or `time.adaptive`",
+        contact / FEW_SLABS
+    );
+    warning("stops", text)
 }
 
 /// A spring or a damper that drives the body.
