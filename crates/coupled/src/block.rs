@@ -204,11 +204,11 @@ pub trait Body: Block {
     /// polynomials.
     fn add_velocity_at_top(&self, _z: &[f64], _velocity: &mut [f64]) {}
 
-    /// Whether the slab is short enough for what the body has met in it, with the unknowns `z`.
+    /// Whether the motion of the body in the slab with the unknowns `z` can be accepted.
     ///
     /// # Errors
-    /// [`SlabError::EnergyGain`] if not.
-    fn check_energy(&self, _z: &[f64]) -> Result<(), SlabError> {
+    /// [`SlabError::EnergyGain`] or [`SlabError::FullTurn`] if not.
+    fn check_slab(&self, _z: &[f64]) -> Result<(), SlabError> {
         Ok(())
     }
 

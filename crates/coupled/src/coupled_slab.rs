@@ -336,10 +336,10 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         operator.share.first_violation(own).map_or(Ok(()), |violation| Err(SlabError::Top(inadmissible(violation))))
     }
 
-    /// Whether all bodies allow a slab as long as this.
+    /// Whether the motions of all bodies can be accepted.
     fn check_bodies(&self, z: &[f64]) -> Result<(), SlabError> {
         let mut bodies = self.system.bodies.iter().enumerate();
-        bodies.try_for_each(|(number, body)| body.check_energy(&z[self.system.body_range(number)]))
+        bodies.try_for_each(|(number, body)| body.check_slab(&z[self.system.body_range(number)]))
     }
 
     /// The velocity of the mesh at the top of the slab with the unknowns `z`, the time `t`; at prescribed nodes the prescribed one, at those that

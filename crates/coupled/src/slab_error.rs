@@ -24,8 +24,8 @@ pub enum SlabError {
     },
     /// The rotation vector of a body that turns about several axes ends at a full turn.
     #[error(
-        "body \"{body}\" has turned by {angle:.3}, nearly a full turn: its rotation vector ends at 2 pi. Let it turn about a single axis, or end the run \
-         earlier"
+        "body \"{body}\" has turned by {angle:.3}, and its rotation vector ends at a full turn, 6.283: shorter slabs do not help. Let it turn about a \
+         single axis, or end the run earlier"
     )]
     FullTurn {
         /// The body.
@@ -73,6 +73,11 @@ impl SlabError {
         matches!(self, SlabError::Newton { .. } | SlabError::Top(_))
     }
 
+    /// Whether shorter slabs cannot help.
+    pub(crate) fn is_final(&self) -> bool {
+        matches!(self, SlabError::FullTurn { .. })
+    }
+
     /// How often the slab should be halved. If Newton's steps were short, one half would fail as well. The step length was seen to grow
     /// with about dt^-2: a slab halved k times takes steps 4^k times as long. They should be at least a quarter of the increment.
     pub fn halvings(&self) -> u32 {
@@ -108,6 +113,13 @@ mod tests {
         }
         let top = Inadmissible { quantity: "density".into(), value: -1.0, location: "in cell 1".into() };
         assert_eq!(SlabError::Top(top).halvings(), 1);
+    }
+
+    /// A body at the end of its rotation vector was halved six times, and each time in vain.
+    #[test]
+    fn a_full_turn_is_not_halved() {
+        assert!(SlabError::FullTurn { body: "top".into(), angle: 6.2 }.is_final());
+        assert!(!SlabError::EnergyGain { body: "ball".into(), gain: 0.5 }.is_final());
     }
 }
 

@@ -44,6 +44,7 @@ use basis::{Matrix, RadauTime, TemporalModes};
 use elasticity::SlabMotion;
 use fem::Clock;
 use newton_krylov::problem::Inadmissible;
+use std::f64::consts::TAU;
 use tensor::{Dual, Transcendental};
 
 /// A vector of space; in two dimensions its last component is zero.
@@ -129,11 +130,11 @@ impl<const D: usize> RigidBody<D> {
         }
     }
 
-    /// Checks that the rotation vector at the bottom is away from its end. A rotation about one axis has none.
-    fn check_turn(&self) -> Result<(), SlabError> {
+    /// Checks that the rotation vector of the coordinates `q` is no longer than `largest`. A rotation about one axis has no end.
+    fn check_turn(&self, q: &[f64], largest: f64) -> Result<(), SlabError> {
         let several = self.data.coordinates.iter().filter(|coordinate| coordinate.freedom.rotates()).count() > 1;
-        let angle = tensor::norm(&self.data.rotation_vector(&self.slab.position));
-        if several && angle > LARGEST_TURN {
+        let angle = tensor::norm(&self.data.rotation_vector(q));
+        if several && angle > largest {
             return Err(SlabError::FullTurn { body: self.data.name.clone(), angle });
         }
         Ok(())
@@ -216,7 +217,7 @@ impl<const D: usize> Block for RigidBody<D> {
         };
         (self.inverse, self.surface_derivatives, self.load_columns) = (None, None, None);
         self.surface_displacement.clear();
-        self.check_turn()
+        self.check_turn(&self.slab.position, LARGEST_TURN)
     }
 
     fn residual(&mut self, z: &[f64], exchange: &mut Exchange, r: &mut [f64]) -> Result<(), Inadmissible> {
@@ -334,7 +335,9 @@ impl<const D: usize> Body for RigidBody<D> {
         self.surface.add_to_field(&of_surface, velocity);
     }
 
-    fn check_energy(&self, z: &[f64]) -> Result<(), SlabError> {
+    fn check_slab(&self, z: &[f64]) -> Result<(), SlabError> {
+        // The slab may pass the end that its bottom is short of.
+        self.positions(z).chunks_exact(self.count()).try_for_each(|q| self.check_turn(q, TAU))?;
         match self.energy_gain(z) {
             gain if gain > LARGEST_GAIN => Err(SlabError::EnergyGain { body: self.data.name.clone(), gain }),
             _ => Ok(()),
