@@ -5,7 +5,7 @@ use super::resolution::NODES_PER_PERIOD;
 use super::warnings::{Warning, warning};
 use case::{Flow, Freedom, RigidBody};
 use coupled::blocks::rigid_body::Freedom as Direction;
-use simulation::wall_that_follows;
+use simulation::{point_far_from_body, wall_that_follows};
 use std::f64::consts::{PI, TAU};
 use tensor::dot;
 
@@ -16,7 +16,7 @@ const FEW_NODES: f64 = 4.0;
 const FEW_SLABS: f64 = 6.0;
 
 /// All of them.
-pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> [Option<Warning>; 6] {
+pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> [Option<Warning>; 7] {
     [
         wall_beside_body(facts, flow),
         weightless(facts, flow),
@@ -24,6 +24,7 @@ pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> 
         stiff_stops(facts),
         negative(facts),
         beyond_stops(facts),
+        far_point(facts),
     ]
 }
 
@@ -132,6 +133,17 @@ fn beyond_stops<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
         start(freedom)
     );
     warning("stops", text)
+}
+
+/// A pivot or a centre of mass far from its body, perhaps because the origin was taken.
+fn far_point<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
+    let (body, key, sizes) = point_far_from_body(facts.case)?;
+    let point = if key == "pivot" { &body.pivot } else { &body.centre_of_mass };
+    let text = format!(
+        "`bodies.{}.{key}` is {point:?}, {sizes:.1} sizes of the body away from its walls: a hinge there is possible; `{key} = [...]` if it is not meant",
+        body.name
+    );
+    warning(key, text)
 }
 
 /// The coordinates of all bodies.
