@@ -204,6 +204,14 @@ pub trait Body: Block {
     /// polynomials.
     fn add_velocity_at_top(&self, _z: &[f64], _velocity: &mut [f64]) {}
 
+    /// Whether the motion of the body in the slab with the unknowns `z` can be accepted.
+    ///
+    /// # Errors
+    /// [`SlabError::EnergyGain`] or [`SlabError::FullTurn`] if not.
+    fn check_slab(&self, _z: &[f64]) -> Result<(), SlabError> {
+        Ok(())
+    }
+
     /// Replaces its `stored` state by that at the top of the slab with the unknowns `z`.
     fn end_slab(&mut self, z: &[f64], stored: &mut Vec<f64>);
 }

@@ -207,6 +207,7 @@ impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
         let balance = balance::correct(&mut self.system, &mut z, self.workspace.residual(), &velocity_at_top);
         let quality = self.check_mesh()?;
         self.check_top(&z, interval)?;
+        self.check_bodies(&z)?;
         let jump = self.jump_at_bottom(state, &z);
         Ok(Solved { newton: report, quality, jump, balance, z })
     }
@@ -334,6 +335,12 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
             time: interval.end,
         });
         operator.share.first_violation(own).map_or(Ok(()), |violation| Err(SlabError::Top(inadmissible(violation))))
+    }
+
+    /// Whether the motions of all bodies can be accepted.
+    fn check_bodies(&self, z: &[f64]) -> Result<(), SlabError> {
+        let mut bodies = self.system.bodies.iter().enumerate();
+        bodies.try_for_each(|(number, body)| body.check_slab(&z[self.system.body_range(number)]))
     }
 
     /// The velocity of the mesh at the top of the slab with the unknowns `z`, the time `t`; at prescribed nodes the prescribed one, at those that

@@ -109,7 +109,8 @@ impl<S: SlabSolver> March<S> {
         let easier = source.is_of_flow().then(|| self.solver.ease_start(&mut self.state)).flatten();
         let remedy = match easier {
             Some(done) => done,
-            None if !self.solver.gives_way(&source)
+            None if !source.is_final()
+                && !self.solver.gives_way(&source)
                 && self.schedule.shorten(&mut self.state, interval, (times, self.max_halvings)) =>
             {
                 self.state.failed.get_or_insert(interval);

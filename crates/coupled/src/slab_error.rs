@@ -24,14 +24,26 @@ pub enum SlabError {
     },
     /// The rotation vector of a body that turns about several axes ends at a full turn.
     #[error(
-        "body \"{body}\" has turned by {angle:.3}, nearly a full turn: its rotation vector ends at 2 pi. Let it turn about a single axis, or end the run \
-         earlier"
+        "body \"{body}\" has turned by {angle:.3}, and its rotation vector ends at a full turn, 6.283: shorter slabs do not help. Let it turn about a \
+         single axis, or end the run earlier"
     )]
     FullTurn {
         /// The body.
         body: String,
         /// The length of the rotation vector.
         angle: f64,
+    },
+    /// A body meets its stops in a slab that is too long for the contact: the time integration gives it energy.
+    #[error(
+        "the slab is too long for the contact of body \"{body}\" with its stops: the time integration adds {:.1} % to the energy of the body. Take shorter \
+         slabs, softer stops, or `time.adaptive`",
+        100.0 * gain
+    )]
+    EnergyGain {
+        /// The body.
+        body: String,
+        /// The energy that it gains, relative to its energy.
+        gain: f64,
     },
     /// The guess that stays as it is at the bottom of the slab is not admissible.
     #[error("no admissible guess")]
@@ -59,6 +71,11 @@ impl SlabError {
     /// Whether the flow is at fault, and not the mesh.
     pub fn is_of_flow(&self) -> bool {
         matches!(self, SlabError::Newton { .. } | SlabError::Top(_))
+    }
+
+    /// Whether shorter slabs cannot help.
+    pub(crate) fn is_final(&self) -> bool {
+        matches!(self, SlabError::FullTurn { .. })
     }
 
     /// How often the slab should be halved. If Newton's steps were short, one half would fail as well. The step length was seen to grow
@@ -96,6 +113,13 @@ mod tests {
         }
         let top = Inadmissible { quantity: "density".into(), value: -1.0, location: "in cell 1".into() };
         assert_eq!(SlabError::Top(top).halvings(), 1);
+    }
+
+    /// A body at the end of its rotation vector was halved six times, and each time in vain.
+    #[test]
+    fn a_full_turn_is_not_halved() {
+        assert!(SlabError::FullTurn { body: "top".into(), angle: 6.2 }.is_final());
+        assert!(!SlabError::EnergyGain { body: "ball".into(), gain: 0.5 }.is_final());
     }
 }
 

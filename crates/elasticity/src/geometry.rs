@@ -37,6 +37,15 @@ enum Source<'a, const D: usize> {
     Solid(&'a Solid<D>, Lame),
 }
 
+/// How far from its faces, in reference coordinates, the constants of a solid are evaluated at the least.
+const INSIDE: f64 = 1e-6;
+
+/// The reference coordinates `points` of a cell where the constants of a solid are evaluated: just inside of it. Materials are formulas of the
+/// position, and two of them meet on faces. There each cell must find its own.
+pub fn just_inside(points: &[f64]) -> Vec<f64> {
+    points.iter().map(|xi| xi.clamp(INSIDE - 1.0, 1.0 - INSIDE)).collect()
+}
+
 /// Samples the reference map and the stiffness of every cell at the points of a quadrature rule.
 pub(crate) struct StiffnessSampler<'a, const D: usize> {
     rule: Rule,
@@ -44,6 +53,8 @@ pub(crate) struct StiffnessSampler<'a, const D: usize> {
     source: Source<'a, D>,
     mean_determinant: f64,
     map: CellMap<D>,
+    /// The map to the points where the constants of a solid are evaluated.
+    inside: CellMap<D>,
 }
 
 impl<'a, const D: usize> StiffnessSampler<'a, D> {
@@ -61,7 +72,8 @@ impl<'a, const D: usize> StiffnessSampler<'a, D> {
         let reference_volume = (mesh.n_cells() << D) as f64;
         let mean_determinant = mesh.volume() / reference_volume;
         let map = CellMap::on_grid(mesh.order(), &rule.points);
-        StiffnessSampler { rule, mesh, source, mean_determinant, map }
+        let inside = CellMap::on_grid(mesh.order(), &just_inside(&rule.points));
+        StiffnessSampler { rule, mesh, source, mean_determinant, map, inside }
     }
 
     /// The rule along every axis.
@@ -76,17 +88,28 @@ impl<'a, const D: usize> StiffnessSampler<'a, D> {
     /// solid are out of range.
     pub(crate) fn cell(&self, cell: usize) -> Result<Vec<Sample<D>>, ElasticityError> {
         let nodes = self.mesh.cell_coordinates(cell);
-        let points = self.map.positions(nodes).into_iter().zip(self.map.jacobians(nodes));
-        points.map(|(position, jacobian)| self.sample(cell, position, &jacobian)).collect()
+        let positions = self.map.positions(nodes);
+        let places = match self.source {
+            Source::Mesh(_) => positions.clone(),
+            Source::Solid(..) => self.inside.positions(nodes),
+        };
+        let points = positions.into_iter().zip(places).zip(self.map.jacobians(nodes));
+        points.map(|((position, place), jacobian)| self.sample(cell, [position, place], &jacobian)).collect()
     }
 
-    fn sample(&self, cell: usize, position: [f64; D], jacobian: &[[f64; D]; D]) -> Result<Sample<D>, ElasticityError> {
+    /// The sample at a point of `cell`, with the place of the material for it.
+    fn sample(
+        &self,
+        cell: usize,
+        [position, place]: [[f64; D]; 2],
+        jacobian: &[[f64; D]; D],
+    ) -> Result<Sample<D>, ElasticityError> {
         let (determinant, inverse_jacobian) = determinant_and_inverse(jacobian);
         let Relative { stiffness, excess } = match &self.source {
             Source::Mesh(stiffness) => {
                 Relative { stiffness: stiffness.at(&position, determinant / self.mean_determinant), excess: 0.0 }
             }
-            Source::Solid(solid, base) => solid.relative(*base, &position)?,
+            Source::Solid(solid, base) => solid.relative(*base, &place)?,
         };
         if !(stiffness > 0.0 && stiffness.is_finite()) {
             return Err(ElasticityError::Stiffness { cell, position: position.to_vec(), value: stiffness });

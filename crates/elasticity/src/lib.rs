@@ -97,6 +97,7 @@ pub use dynamics::{Dynamics, DynamicsReport};
 pub use elastic_mesh::ElasticMesh;
 pub use equilibrium::{Accuracy, Guard, Work};
 pub use errors::{ElasticityError, Inversion, VOLUME_RATIO};
+pub use geometry::just_inside;
 pub use law::Law;
 pub use loads::{BodyForce, Loads, Pressure, SurfacePoint, Traction};
 pub use material::{Lame, Material, NEARLY_INCOMPRESSIBLE, Plane};

@@ -107,12 +107,18 @@ pub fn wall_facets<const D: usize>(mesh: &Mesh<D>, walls: &[usize]) -> impl Iter
     })
 }
 
-/// The largest extent of `walls` along an axis.
-pub fn extent<const D: usize>(mesh: &Mesh<D>, walls: &[usize]) -> f64 {
+/// The smallest and the largest coordinates of `walls`.
+pub fn bounds<const D: usize>(mesh: &Mesh<D>, walls: &[usize]) -> [[f64; D]; 2] {
     let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
     for x in wall_facets(mesh, walls).flatten() {
         (0..D).for_each(|d| (low[d], high[d]) = (low[d].min(x[d]), high[d].max(x[d])));
     }
+    [low, high]
+}
+
+/// The largest extent of `walls` along an axis.
+pub fn extent<const D: usize>(mesh: &Mesh<D>, walls: &[usize]) -> f64 {
+    let [low, high] = bounds(mesh, walls);
     (0..D).map(|d| high[d] - low[d]).fold(0.0, f64::max)
 }
 

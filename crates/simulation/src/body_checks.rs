@@ -1,6 +1,6 @@
 //! What is doubtful about the rigid bodies of a case, known before a run.
 
-use super::bodies::{beside_flow, in_space, is_of_body, middle_and_area, mode, rate, wall_facets};
+use super::bodies::{beside_flow, bounds, in_space, is_of_body, middle_and_area, mode, rate, wall_facets};
 use super::build::{StructureAtStart, structure_at_start};
 use super::error::Failure;
 use case::{Analysis, Case, Flow, Freedom, RigidBody, SteadyBodies, Structure, StructureLaw};
@@ -16,10 +16,10 @@ const FOLLOWS: f64 = 1e-3;
 /// The difference of displacements, in diameters of a structure, up to which a linear law holds to about a per cent.
 const SMALL_DISPLACEMENT: f64 = 0.1;
 
-/// The largest speed at the start of the walls of bodies with a prescribed motion.
+/// The largest speed at the start of the walls of bodies, by their prescribed motion or the rate that they are given.
 pub fn speed_of_bodies_at_start<const D: usize>(case: &Case<D>) -> f64 {
     let of_body = |body: &RigidBody<D>| {
-        let motions: Vec<(Direction, f64)> = prescribed(body, case.time.start).collect();
+        let motions: Vec<(Direction, f64)> = rates_at_start(body, case.time.start).collect();
         let speed_at = |x: &[f64; D]| {
             let sum = |velocity: Vec3, (direction, rate): &(Direction, f64)| {
                 let mode = mode(direction, &body.pivot, &in_space(x));
@@ -32,9 +32,28 @@ pub fn speed_of_bodies_at_start<const D: usize>(case: &Case<D>) -> f64 {
     case.bodies.iter().map(of_body).fold(0.0, f64::max)
 }
 
-/// The directions in which the motion of `body` is prescribed, and their rates at the time `t`.
-fn prescribed<const D: usize>(body: &RigidBody<D>, t: f64) -> impl Iterator<Item = (Direction, f64)> {
-    body.freedoms.iter().filter_map(move |freedom| Some((freedom.direction, rate(freedom.motion.as_ref()?, t))))
+/// The directions in which `body` may move, and their rates at the start, the time `t`.
+fn rates_at_start<const D: usize>(body: &RigidBody<D>, t: f64) -> impl Iterator<Item = (Direction, f64)> {
+    let of = move |freedom: &Freedom| freedom.motion.as_ref().map_or(freedom.rate, |motion| rate(motion, t));
+    body.freedoms.iter().map(move |freedom| (freedom.direction, of(freedom)))
+}
+
+/// The first body that turns and whose pivot or centre of mass lies farther outside of its walls than these are large: the body, the key of the
+/// point, and its distance in sizes of the body.
+pub fn point_far_from_body<const D: usize>(case: &Case<D>) -> Option<(&RigidBody<D>, &'static str, f64)> {
+    let far = |body: &RigidBody<D>, point: &[f64; D]| {
+        let [low, high] = bounds(&case.mesh, &body.walls);
+        let outside =
+            norm(&in_space::<D>(&std::array::from_fn(|d| (low[d] - point[d]).max(point[d] - high[d]).max(0.0))));
+        let size = (0..D).map(|d| high[d] - low[d]).fold(0.0, f64::max);
+        (outside > size).then(|| outside / size)
+    };
+    let of_body = |body| {
+        let points = [("pivot", far(body, &body.pivot)), ("centre_of_mass", far(body, &body.centre_of_mass))];
+        points.into_iter().find_map(|(key, sizes)| Some((body, key, sizes?)))
+    };
+    let turns = |body: &&RigidBody<D>| body.freedoms.iter().any(|freedom| freedom.direction.rotates());
+    case.bodies.iter().filter(turns).find_map(of_body)
 }
 
 /// The first wall that is of no body and that the mesh of a body moves across itself, or along itself with gas that sticks to it: the body, and the
@@ -125,10 +144,10 @@ pub fn unheld<const D: usize>(case: &Case<D>) -> Option<[String; 2]> {
             ),
         ]);
     }
-    let is_unheld = |freedom: &&Freedom| {
-        freedom.motion.is_none() && freedom.spring == 0.0 && freedom.cubic_spring == 0.0 && freedom.stops.is_none()
+    let of_body = |body: &RigidBody<D>| {
+        let is_unheld = |freedom: &&Freedom| !is_held(body, freedom);
+        Some((body.name.clone(), body.freedoms.iter().find(is_unheld)?.name))
     };
-    let of_body = |body: &RigidBody<D>| Some((body.name.clone(), body.freedoms.iter().find(is_unheld)?.name));
     let (body, freedom) = case.bodies.iter().find_map(of_body)?;
     Some([
         format!(
@@ -136,6 +155,13 @@ pub fn unheld<const D: usize>(case: &Case<D>) -> Option<[String; 2]> {
         ),
         "give it a `spring`, or take `solver.steady.bodies = \"held\"`".into(),
     ])
+}
+
+/// Whether a drive, a spring or a stop holds a coordinate of `body`, or its weight, as that of a pendulum.
+fn is_held<const D: usize>(body: &RigidBody<D>, freedom: &Freedom) -> bool {
+    let has_spring = freedom.spring != 0.0 || freedom.cubic_spring != 0.0 || freedom.stops.is_some();
+    let hangs = freedom.direction.rotates() && body.force.is_some() && body.centre_of_mass != body.pivot;
+    freedom.motion.is_some() || has_spring || hangs
 }
 
 /// The first axis along which no boundary of `structure` is held.

@@ -194,7 +194,9 @@ mod walls;
 /// More threads than any machine has cores. Thousands take minutes to start.
 pub const MOST_THREADS: u16 = 1024;
 
-pub use body_checks::{check_structure, speed_of_bodies_at_start, unheld_in_equilibrium, wall_that_follows};
+pub use body_checks::{
+    check_structure, point_far_from_body, speed_of_bodies_at_start, unheld_in_equilibrium, wall_that_follows,
+};
 pub use build::{PrescribedNode, march, march_with_motion, mover, structure_march};
 pub use cell_finder::CellFinder;
 pub use controls::check as check_controls;

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{assert_same_bits, column, finished, number, on_case, stsolve, summary};
+use common::{assert_same_bits, column, finished, number, on_case, on_text, stsolve, summary};
 use tempfile::TempDir;
 
 /// V(1) and x(1) of the free piston.
@@ -43,6 +43,30 @@ fn a_piston_that_moves_smoothly_has_the_order_of_radau() {
         let found = [0, 1].map(|i| (coarse[i] / fine[i]).abs().log2());
         assert!(found[0] >= wanted[0] && found[1] >= wanted[1], "N_t = {order}: {found:.2?}");
     }
+}
+
+/// A light gas around a cylinder that flies against a stop. The contact lasts a fiftieth of a slab. The time integration multiplied the speed by up to
+/// 14, without a word.
+#[test]
+fn a_stiff_stop_gives_a_body_no_energy() {
+    let directory = TempDir::new().unwrap();
+    let text = "mesh = { order = 4, generate.annulus = { inner_radius = 0.5, outer_radius = 6, first_cell = 0.7, cells = [8, 3] } }
+        time = { order = 3, end = 0.8, step = 0.05 }
+        [flow]
+        order = 2
+        gas = { gamma = 1.4 }
+        initial.expression = { density = 1e-6, velocity = [0, 0], pressure = \"1e-4/1.4\" }
+        reference = { density = 1e-6, speed = 1, pressure = 7.142857142857143e-5 }
+        boundary = { wall = \"slip_wall\", far = \"slip_wall\" }
+        [bodies.b]
+        walls = [\"wall\"]
+        mass = 1
+        y = { rate = 0.5, stops = { lower = -0.3, upper = 0.31, stiffness = 1e7 } }
+        mesh = { between = { inner = 0.6, outer = 5.9 } }";
+    let run = on_text(directory.path(), text, &[], "run", &[]);
+    run.expect(0, &["too long for the contact of body \"b\" with its stops"]);
+    let speed = column(&directory.path().join("run"), "b_y_rate").last().unwrap().abs();
+    assert!(speed < 0.51, "{speed}");
 }
 
 /// In slabs as short as these the piston goes less than the tolerance in units of the node spacing. It moves all the same.

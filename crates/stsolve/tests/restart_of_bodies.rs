@@ -28,6 +28,23 @@ fn the_balance_of_energy_begins_anew_with_other_bodies() {
     assert!(error("free") < 1e-12 && error("sprung") < 1e-12, "{:e}, {:e}", error("free"), error("sprung"));
 }
 
+/// Only keys of `bodies` and `structure` were compared. A spring that is a formula of a constant changed with that constant alone, and its energy
+/// was counted as an error of the balance.
+#[test]
+fn the_balance_of_energy_begins_anew_with_other_constants() {
+    let directory = TempDir::new().unwrap();
+    let error = |output: &str| number(&summary(&directory.path().join(output)), "conservation.coupled_energy_error");
+    let by_constants = ["constants.m=1", "constants.k=1", "bodies.piston.mass=\"m\"", "bodies.piston.x.spring=\"k\""];
+    let small = ["flow.order=3", "mesh.generate.box.cells=[4,1]", "time={order=2,end=0.4,step=0.05}"];
+    let set = [&by_constants[..], &small].concat();
+    run(directory.path(), "piston_free", &set, None, "first").expect(0, &[]);
+    for (constant, output) in [("constants.k=3", "stiffer"), ("constants.m=2", "heavier")] {
+        let changes = [&set[..], &[constant, "time.end=0.8"]].concat();
+        run(directory.path(), "piston_free", &changes, Some("first"), output).expect(0, &[]);
+        assert!(error(output) < 1e-12, "{constant}: {:e}", error(output));
+    }
+}
+
 /// A short elastic piston whose support moves.
 const PISTON: [&str; 7] = [
     "mesh.order=2",

@@ -51,6 +51,40 @@ fn constants_may_be_formulas_of_position() {
     assert_same_bits(&directory.path().join("through"), &directory.path().join("resumed"), "statics");
 }
 
+/// The largest entry of the dataset `name` of the result in `directory`.
+fn largest_in_result(directory: &Path, name: &str) -> f64 {
+    let file = hdf5::File::open(directory.join(output::RESULT_FILE)).unwrap();
+    let values: Vec<f64> = file.dataset(name).unwrap().read_raw().unwrap();
+    values.into_iter().fold(0.0, f64::max)
+}
+
+/// A bar in series of two materials: its stress is the traction, its interface moves by traction times 0.5 / E. On the faces between both materials
+/// the cells of one took the modulus of the other: a neo-Hookean bar was too stiff by 5 %, and its largest stress was wrong by the ratio of the moduli.
+#[test]
+fn two_materials_meet_on_faces() {
+    let directory = TempDir::new().unwrap();
+    for law in ["linear", "neo_hookean"] {
+        let text = format!(
+            "mesh = {{ order = 4, generate.box = {{ lower = [0, 0], upper = [1, 0.1], cells = [4, 1] }} }}
+             time = {{ order = 1, end = 1, slabs = 1 }}
+             output.fields = [\"von_mises\"]
+             [structure]
+             law = \"{law}\"
+             analysis = \"static\"
+             young_modulus = \"if(x < 0.5, 1, 100)\"
+             poisson_ratio = 0
+             boundary = {{ left = \"fixed\", right = {{ traction = [\"1e-6*t\", 0] }}, others = {{ held = [\"y\"] }} }}
+             points = {{ interface = [0.5, 0] }}"
+        );
+        on_text(directory.path(), &text, &[], law, &[]).expect(0, &[]);
+        let run = directory.path().join(law);
+        let moved = column(&run, "interface_x")[0];
+        assert!((moved / 5e-7 - 1.0).abs() < 1e-4, "{law}: {moved:e}");
+        let stress = largest_in_result(&run, "VTKHDF/PointData/von_mises");
+        assert!((stress / 1e-6 - 1.0).abs() < 1e-3, "{law}: {stress:e}");
+    }
+}
+
 /// Thin beams under an end load. The first one was carried along by its support before, and then did not bend: its forces were taken for the
 /// rounding of stiffness times displacement. The second one was "diverged" after a good step.
 #[test]

@@ -209,9 +209,21 @@ impl<const D: usize> Given<'_, D> {
             freedoms,
             mesh: raw.mesh.as_ref().map(|mesh| self.following(&key.child("mesh"), mesh)).transpose()?,
         };
+        self.note_points(&key, raw, &body);
         self.check_weights(&key, &body)?;
         self.check_turns(&key, &body)?;
         Ok(body)
+    }
+
+    /// Records the pivot and the centre of mass that a body which turns takes by default.
+    fn note_points(&self, key: &Key, raw: &raw::Body, body: &RigidBody<D>) {
+        if !body.freedoms.iter().any(|freedom| freedom.direction.rotates()) {
+            return;
+        }
+        let points = [("pivot", &raw.pivot, body.pivot), ("centre_of_mass", &raw.centre_of_mass, body.centre_of_mass)];
+        for (name, _, taken) in points.iter().filter(|(_, given, _)| given.is_none()) {
+            self.checker.note_default(&key.child(name), &format!("{taken:?}"));
+        }
     }
 
     fn force(&self, key: &Key, raw: &[raw::Formula]) -> Checked<Vector<D>> {

@@ -143,5 +143,18 @@ fn check_definite(checker: &Checker<'_>, key: &Key, tensor: &Tensor) -> Checked<
     let minors = [tensor[0][0], cofactor[2][2], tensor::determinant(tensor, &cofactor)];
     let quantity = format!("the tensor of inertia, with the leading minors {minors:?},");
     let accepted = "a positive definite tensor: its leading minors are positive";
-    checker.require(key, &quantity, minors.iter().all(|minor| *minor > 0.0), accepted)
+    checker.require(key, &quantity, minors.iter().all(|minor| *minor > 0.0), accepted)?;
+    check_principal_moments(checker, key, tensor)
+}
+
+/// The condition of [`check_of_a_body`] on the principal moments, which are not on the diagonal: tr(J)/2 I - J, the integral of rho x x^T, is positive
+/// semi-definite, up to rounding.
+fn check_principal_moments(checker: &Checker<'_>, key: &Key, tensor: &Tensor) -> Checked<()> {
+    let half = 0.5 * (1.0 + 1e-6) * (tensor[0][0] + tensor[1][1] + tensor[2][2]);
+    let spread: Tensor =
+        std::array::from_fn(|i| std::array::from_fn(|j| if i == j { half - tensor[i][j] } else { -tensor[i][j] }));
+    let cofactor = tensor::cofactor(&spread);
+    let minors = [spread[0][0], cofactor[2][2], tensor::determinant(&spread, &cofactor)];
+    let accepted = "the tensor of a body: no principal moment is larger than the sum of the other two";
+    checker.require(key, "the tensor of inertia", minors.iter().all(|minor| *minor > 0.0), accepted)
 }

@@ -100,6 +100,11 @@ const BAD: &[(&str, &[&str])] = &[
         "inertia = [0.1, 0.1, 0.5]\nrotation_x = {}",
         &["right.inertia", "no moment is larger than the sum of the other two"],
     ),
+    // Its principal moments are 0.59, 0.01 and 0.02; the diagonal alone was compared.
+    (
+        "inertia = [[0.3, 0.29, 0], [0.29, 0.3, 0], [0, 0, 0.02]]\nrotation_x = {}",
+        &["right.inertia", "no principal moment is larger than the sum of the other two"],
+    ),
     (
         "inertia = [1, 1, 1]\nrotation_x = { rest = 0.1 }",
         &["right.rotation_x.rest", "no effect", "`spring` or `cubic_spring`"],

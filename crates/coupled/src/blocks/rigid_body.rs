@@ -44,6 +44,7 @@ use basis::{Matrix, RadauTime, TemporalModes};
 use elasticity::SlabMotion;
 use fem::Clock;
 use newton_krylov::problem::Inadmissible;
+use std::f64::consts::TAU;
 use tensor::{Dual, Transcendental};
 
 /// A vector of space; in two dimensions its last component is zero.
@@ -100,6 +101,9 @@ pub struct RigidBody<const D: usize> {
 /// A rotation vector is accurate up to this length, a little less than 2 pi.
 const LARGEST_TURN: f64 = 6.1;
 
+/// The largest part of its energy that the time integration may give to a body on its stops in a slab.
+const LARGEST_GAIN: f64 = 0.01;
+
 impl<const D: usize> RigidBody<D> {
     /// Body number `number` of a run with the slabs of `times`.
     pub fn new(data: RigidBodyData, surface: Surface<D>, number: usize, times: SlabTimes) -> Self {
@@ -126,11 +130,11 @@ impl<const D: usize> RigidBody<D> {
         }
     }
 
-    /// Checks that the rotation vector at the bottom is away from its end. A rotation about one axis has none.
-    fn check_turn(&self) -> Result<(), SlabError> {
+    /// Checks that the rotation vector of the coordinates `q` is no longer than `largest`. A rotation about one axis has no end.
+    fn check_turn(&self, q: &[f64], largest: f64) -> Result<(), SlabError> {
         let several = self.data.coordinates.iter().filter(|coordinate| coordinate.freedom.rotates()).count() > 1;
-        let angle = tensor::norm(&self.data.rotation_vector(&self.slab.position));
-        if several && angle > LARGEST_TURN {
+        let angle = tensor::norm(&self.data.rotation_vector(q));
+        if several && angle > largest {
             return Err(SlabError::FullTurn { body: self.data.name.clone(), angle });
         }
         Ok(())
@@ -213,7 +217,7 @@ impl<const D: usize> Block for RigidBody<D> {
         };
         (self.inverse, self.surface_derivatives, self.load_columns) = (None, None, None);
         self.surface_displacement.clear();
-        self.check_turn()
+        self.check_turn(&self.slab.position, LARGEST_TURN)
     }
 
     fn residual(&mut self, z: &[f64], exchange: &mut Exchange, r: &mut [f64]) -> Result<(), Inadmissible> {
@@ -329,6 +333,15 @@ impl<const D: usize> Body for RigidBody<D> {
         }
         let of_surface = derivatives(&self.data.displacement(&self.surface.nodes, &along(&q, &rates)));
         self.surface.add_to_field(&of_surface, velocity);
+    }
+
+    fn check_slab(&self, z: &[f64]) -> Result<(), SlabError> {
+        // The slab may pass the end that its bottom is short of.
+        self.positions(z).chunks_exact(self.count()).try_for_each(|q| self.check_turn(q, TAU))?;
+        match self.energy_gain(z) {
+            gain if gain > LARGEST_GAIN => Err(SlabError::EnergyGain { body: self.data.name.clone(), gain }),
+            _ => Ok(()),
+        }
     }
 
     fn end_slab(&mut self, z: &[f64], stored: &mut Vec<f64>) {

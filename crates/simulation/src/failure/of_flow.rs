@@ -140,7 +140,9 @@ impl<'a, const D: usize, const M: usize> Failed<'a, D, M> {
 
     fn gave_up(&self) -> GaveUp {
         match self.error {
-            None | Some(SlabError::FullTurn { .. } | SlabError::Stopped) => GaveUp::Other,
+            None | Some(SlabError::FullTurn { .. } | SlabError::EnergyGain { .. } | SlabError::Stopped) => {
+                GaveUp::Other
+            }
             Some(SlabError::Mesh(_)) => GaveUp::Equilibrium,
             Some(SlabError::Structure(ElasticityError::Load { .. })) => GaveUp::Load,
             Some(SlabError::Structure(_)) => GaveUp::Structure,
@@ -256,7 +258,8 @@ impl<'a, const D: usize, const M: usize> Failed<'a, D, M> {
     /// The inverted cell, or else the cell with the largest residual, or else the cell with the lowest density.
     fn worst_cell(&self, grid: &Grid<D>, gases: &Gases) -> Option<WorstCell> {
         match self.error? {
-            SlabError::Mesh(_) | SlabError::Structure(_) | SlabError::FullTurn { .. } | SlabError::Stopped => None,
+            SlabError::Mesh(_) | SlabError::Structure(_) => None,
+            SlabError::FullTurn { .. } | SlabError::EnergyGain { .. } | SlabError::Stopped => None,
             SlabError::Invalid { quality } => Some(inverted(grid, &self.displacement_at(quality.time), quality)),
             SlabError::Newton { residual_breakdown: Some(residual_breakdown), .. } => {
                 self.unsolved_cell(grid, residual_breakdown)

@@ -99,9 +99,10 @@ impl<'a, const D: usize, const M: usize> StepParts<'a, D, M> {
         of_formulas.into_iter().zip(columns).for_each(|(values, out)| out.extend(values));
     }
 
-    /// The stress at the points of a cell at `rest` that is displaced by `moved`, both `[component][node]`.
+    /// The stress at the points of a cell at `rest` that is displaced by `moved`, both `[component][node]`. On faces where two materials meet it
+    /// is that of the cell's own material.
     fn stress(&self, solid: &Solid<D>, rest: &[f64], moved: &[f64]) -> Vec<Stress> {
-        let (x, n) = (self.mesh_sampler.positions(rest), self.mesh_sampler.points());
+        let (x, n) = (self.material_sampler.positions(rest), self.mesh_sampler.points());
         let gradients = self.mesh_sampler.gradients(moved, rest);
         let at = |p: usize| {
             let gradient = std::array::from_fn(|i| std::array::from_fn(|j| gradients[j][i * n + p]));

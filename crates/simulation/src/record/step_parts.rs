@@ -8,7 +8,7 @@ use crate::bodies::beside_flow;
 use crate::build::solid;
 use crate::cells;
 use case::{Case, SolidPart};
-use elasticity::Solid;
+use elasticity::{Solid, just_inside};
 use fem::Sampler;
 use mesh::NodeNumbering;
 use output::{OutputError, SharedFile, Step, StepInParts};
@@ -27,6 +27,8 @@ pub struct StepParts<'a, const D: usize, const M: usize> {
     pub(super) sampler: Sampler<D>,
     /// For fields of the order of the mesh.
     pub(super) mesh_sampler: Sampler<D>,
+    /// The same points, moved just inside of their cell, where that has its own material.
+    pub(super) material_sampler: Sampler<D>,
 }
 
 /// Names and values.
@@ -70,12 +72,14 @@ impl<'a, const D: usize, const M: usize> StepParts<'a, D, M> {
     /// Of the steps of a run of `case` on `mesh`.
     pub fn new(case: &'a Case<D>, mesh: Arc<MeshView<D>>) -> Self {
         let (sampler, n) = fields::equidistant::<D>(flow_order(case), case.mesh.order());
-        let mesh_sampler = Sampler::new(case.mesh.order(), case.mesh.order(), &basis::equidistant_points(n));
+        let (order, points) = (case.mesh.order(), basis::equidistant_points(n));
+        let mesh_sampler = Sampler::new(order, order, &points);
+        let material_sampler = Sampler::new(order, order, &just_inside(&points));
         let beside =
             |part: &SolidPart<D>| MeshView::new(&part.mesh, &NodeNumbering::new(&part.mesh, part.mesh.order()));
         let beside = beside_flow(case).map(|(_, part)| beside(part));
         let solid = case.structure.as_ref().map(solid);
-        StepParts { case, mesh, beside, solid, sampler, mesh_sampler }
+        StepParts { case, mesh, beside, solid, sampler, mesh_sampler, material_sampler }
     }
 
     /// The ranges of cells that make a part each.

@@ -1,6 +1,7 @@
 //! What a run changes of the one that it continues.
 
 use super::{Origin, RestartError};
+use crate::bodies::has_bodies;
 use crate::fallback;
 use case::{AllowedChange, Case, gas_of, quadrature_of};
 use fem::Orders;
@@ -49,8 +50,14 @@ impl Origin {
             gas,
             pressure: gas && case.allows(AllowedChange::Mach),
             quadrature: self.has_other_quadrature(case)?,
-            bodies: self.is_other(case, &["bodies", "structure"])?,
+            bodies: self.has_other_bodies(case)?,
         })
+    }
+
+    /// Whether rigid bodies or the structure of `case` may store another energy in the same state. Their numbers may be formulas of constants, and
+    /// of tables. To begin the balance anew without need does no harm.
+    fn has_other_bodies<const D: usize>(&self, case: &Case<D>) -> Result<bool, RestartError> {
+        Ok(has_bodies(case) && self.is_other(case, &["constants", "tables", "bodies", "structure"])?)
     }
 
     /// Whether the flow of `case` has other integrals over the cells.

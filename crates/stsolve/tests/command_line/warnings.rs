@@ -141,6 +141,25 @@ fn check_warns_of_doubtful_bodies() {
     assert!(warns(cylinder, &["bodies.cylinder.y={spring=-1}"], "spring"));
     let stops = |lower: f64| format!("bodies.cylinder.y={{spring=1,stops={{lower={lower},upper=2,stiffness=10}}}}");
     assert!(warns(cylinder, &[&stops(1.0)], "stops") && !warns(cylinder, &[&stops(-1.0)], "stops"));
+    // Contacts of pi (2 / stiffness)^1/2 in slabs of 0.2; slabs that adapt resolve them.
+    let stiff = "bodies.cylinder.y={spring=1,stops={lower=-1,upper=2,stiffness=1e4}}";
+    assert!(
+        warns(cylinder, &[stiff], "stops") && !warns(cylinder, &[stiff, "time.adaptive={tolerance=0.01}"], "stops")
+    );
+    // A pivot that was forgotten is the origin; here it is far from the cylinder.
+    let turns = |pivot: &str| {
+        format!("bodies.cylinder={{walls=[\"wall\"],mass=1,moment_of_inertia=1,pivot={pivot},rotation={{spring=1}}}}")
+    };
+    assert!(warns(cylinder, &[&turns("[3,0]")], "pivot") && !warns(cylinder, &[&turns("[0.4,0]")], "pivot"));
+    // A rate of a free body at the start was passed over; a weight off the pivot holds a pendulum.
+    assert!(warns(cylinder, &["bodies.cylinder.y={spring=1,rate=0.1}"], "start of the motion"));
+    let pendulum = |force: &str| {
+        format!(
+            "bodies.cylinder={{walls=[\"wall\"],mass=1,moment_of_inertia=1,centre_of_mass=[0.1,0]{force},rotation={{}}}}"
+        )
+    };
+    assert!(warns(cylinder, &[released, &pendulum("")], "equilibrium"));
+    assert!(!warns(cylinder, &[released, &pendulum(",force=[0,-1]")], "equilibrium"));
     // The same stream stands at three places of this case.
     assert!(warns(cylinder, &["flow.boundary.far.far_field.mach=0.05"], "opening") && !warns(cylinder, &[], "opening"));
     assert!(warns(cylinder, &["flow.boundary.far.far_field.velocity=[2,0]"], "reference state"));

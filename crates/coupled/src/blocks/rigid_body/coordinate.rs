@@ -85,6 +85,11 @@ impl Coordinate {
         self.drive.as_ref().is_some_and(|drive| drive.release.is_none_or(|release| is_before(start, release, step)))
     }
 
+    /// Whether q is beyond a stop.
+    pub fn meets_stop(&self, q: f64) -> bool {
+        self.beyond(q) != 0.0
+    }
+
     fn stop_stiffness(&self) -> f64 {
         self.stops.map_or(0.0, |stops| stops.stiffness)
     }

@@ -4,8 +4,9 @@
 //! dE = sum_a,k W_a,k (terms of inertia of R_a,k) - D,    E = v_c . m v_c / 2 + Omega . H / 2                       (numerical)
 //! ```
 //!
-//! D is the energy that the time integration takes. With translations and one rotation about a fixed axis it is the energy of the jumps of
-//! v_c and Omega at the bottom of the slab, and never negative.
+//! D is the energy that the time integration takes. With translations and one rotation about a fixed axis, on linear springs, it is the energy of
+//! the jumps of v_c and Omega at the bottom of the slab, and never negative. Stops are no such springs: the quadrature of their force misses their
+//! energy. In a slab that is longer than the contact D may then be negative and as large as E.
 
 use super::RigidBody;
 use crate::block::Ledger;
@@ -20,6 +21,23 @@ impl<const D: usize> RigidBody<D> {
     /// The energy in springs.
     pub fn spring_energy(&self, q: &[f64]) -> f64 {
         self.data.coordinates.iter().zip(q).map(|(coordinate, q)| coordinate.spring_energy(*q)).sum()
+    }
+
+    /// -D / E, the part of its energy that the time integration gives to a free body that meets a stop in the slab with the rates `z`; 0 for
+    /// others. E is the larger energy of bottom and top.
+    pub(super) fn energy_gain(&self, z: &[f64]) -> f64 {
+        let (count, [q, rates]) = (self.count(), self.at_top(z));
+        let driven: Vec<usize> = self.driven().collect();
+        let coordinate = |i: usize| &self.data.coordinates[i % count];
+        let met = |(i, q): (usize, &f64)| !driven.contains(&(i % count)) && coordinate(i).meets_stop(*q);
+        if !self.slab.position.iter().chain(&self.positions(z)).enumerate().any(met) {
+            return 0.0;
+        }
+        let energy = |q: &[f64], w: &[f64]| self.kinetic_energy(q, w) + self.spring_energy(q);
+        let largest = energy(&self.slab.position, &self.slab.rate).max(energy(&q, &rates));
+        let mut ledger = Ledger::default();
+        self.add_forces(z, &mut ledger);
+        -ledger.numerical / largest.max(f64::MIN_POSITIVE)
     }
 
     /// The ledger after a slab with the rates `z`.

@@ -68,11 +68,17 @@ pub fn long_slab(data: &FailureData) -> Option<Cause> {
     })
 }
 
+/// Cells with a smaller aspect ratio are not slender.
+const SLENDER: f64 = 100.0;
+
+/// Cells whose det J varies less are not uneven.
+const UNEVEN: f64 = 0.1;
+
 /// Cells are slender or uneven, which increases round-off.
 pub fn slender_cells(data: &FailureData) -> Option<Cause> {
     let mesh = &data.mesh;
     let _ = data.structure.as_ref()?;
-    Some(Cause {
+    (mesh.aspect_ratio > SLENDER || mesh.evenness < UNEVEN).then(|| Cause {
         name: "slender_cells",
         likelihood: 0.1 + 0.7 * rises(mesh.aspect_ratio, 1e3).max(1.0 - rises(mesh.evenness, 1e-2)),
         what: format!(

@@ -5,16 +5,27 @@ use super::resolution::NODES_PER_PERIOD;
 use super::warnings::{Warning, warning};
 use case::{Flow, Freedom, RigidBody};
 use coupled::blocks::rigid_body::Freedom as Direction;
-use simulation::wall_that_follows;
-use std::f64::consts::TAU;
+use simulation::{point_far_from_body, wall_that_follows};
+use std::f64::consts::{PI, TAU};
 use tensor::dot;
 
 /// A spring with fewer nodes in a period hardly swings.
 const FEW_NODES: f64 = 4.0;
 
+/// A contact with a stop that lasts fewer slabs changes the energy of the body by more than a few per cent.
+const FEW_SLABS: f64 = 6.0;
+
 /// All of them.
-pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> [Option<Warning>; 5] {
-    [wall_beside_body(facts, flow), weightless(facts, flow), stiff_spring(facts), negative(facts), beyond_stops(facts)]
+pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> [Option<Warning>; 7] {
+    [
+        wall_beside_body(facts, flow),
+        weightless(facts, flow),
+        stiff_spring(facts),
+        stiff_stops(facts),
+        negative(facts),
+        beyond_stops(facts),
+        far_point(facts),
+    ]
 }
 
 /// A wall beside a body that follows it by weights changes its shape, or drags gas along.
@@ -73,6 +84,30 @@ fn stiff_spring<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
     warning("spring", text)
 }
 
+/// Stops that turn a body back within a few slabs: a bounce may then multiply its energy.
+fn stiff_stops<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
+    let time = &facts.case.time;
+    // Slabs that adapt resolve the contact, and an equilibrium needs no motion.
+    if time.control.is_some() || time.end == time.start {
+        return None;
+    }
+    let contacts = coordinates(facts).filter(|(_, freedom)| freedom.motion.is_none()).filter_map(|(body, freedom)| {
+        let contact = PI * (inertia(body, &freedom.direction) / freedom.stops?.stiffness).sqrt();
+        Some((contact, &body.name, freedom.name))
+    });
+    let (contact, body, coordinate) = contacts.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let slabs = contact / time.step;
+    if slabs >= FEW_SLABS {
+        return None;
+    }
+    let text = format!(
+        "a contact of `bodies.{body}.{coordinate}` with its stops lasts {contact:.2e}, which is {slabs:.2} slabs: the energy of the body is wrong \
+         after it; `time.step` of {:.2e} or less, softer stops, or `time.adaptive`",
+        contact / FEW_SLABS
+    );
+    warning("stops", text)
+}
+
 /// A spring or a damper that drives the body.
 fn negative<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
     let (body, freedom) = coordinates(facts).find(|(_, freedom)| freedom.spring < 0.0 || freedom.damping < 0.0)?;
@@ -98,6 +133,17 @@ fn beyond_stops<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
         start(freedom)
     );
     warning("stops", text)
+}
+
+/// A pivot or a centre of mass far from its body, perhaps because the origin was taken.
+fn far_point<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
+    let (body, key, sizes) = point_far_from_body(facts.case)?;
+    let point = if key == "pivot" { &body.pivot } else { &body.centre_of_mass };
+    let text = format!(
+        "`bodies.{}.{key}` is {point:?}, {sizes:.1} sizes of the body away from its walls: a hinge there is possible; `{key} = [...]` if it is not meant",
+        body.name
+    );
+    warning(key, text)
 }
 
 /// The coordinates of all bodies.
