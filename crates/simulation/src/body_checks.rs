@@ -38,8 +38,8 @@ fn rates_at_start<const D: usize>(body: &RigidBody<D>, t: f64) -> impl Iterator<
     body.freedoms.iter().map(move |freedom| (freedom.direction, of(freedom)))
 }
 
-/// The first body that turns and whose pivot or centre of mass lies farther outside of its walls than these are large: the body, the key of the
-/// point, and its distance in sizes of the body.
+/// The first body that turns and whose pivot or centre of mass lies farther outside of its walls than these are large. Returns the body, the key of
+/// the point, and its distance in sizes of the body.
 pub fn point_far_from_body<const D: usize>(case: &Case<D>) -> Option<(&RigidBody<D>, &'static str, f64)> {
     let far = |body: &RigidBody<D>, point: &[f64; D]| {
         let [low, high] = bounds(&case.mesh, &body.walls);
