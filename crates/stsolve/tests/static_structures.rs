@@ -58,7 +58,7 @@ fn largest_in_result(directory: &Path, name: &str) -> f64 {
     values.into_iter().fold(0.0, f64::max)
 }
 
-/// A bar in series of two materials: its stress is the traction, its interface moves by traction times 0.5 / E. On the faces between both materials
+/// A bar in series of two materials: its stress is the traction, its interface moves by 0.5 / E times that traction. On the faces between both materials
 /// the cells of one took the modulus of the other. A neo-Hookean bar was too stiff by 5 %, and its largest stress was wrong by the ratio of the moduli.
 #[test]
 fn two_materials_meet_on_faces() {
