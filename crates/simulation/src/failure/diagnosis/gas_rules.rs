@@ -99,7 +99,7 @@ pub fn boundary_condition(data: &FailureData) -> Option<Cause> {
     let size = |mismatch: &Mismatch| (mismatch.size - gas.kick).max(0.0);
     let weighed = |mismatch: &Option<Mismatch>, weight: f64| {
         let mismatch = mismatch.clone()?;
-        let weight = if size(&mismatch) > MISTAKEN { 0.97 } else { weight };
+        let weight = if size(&mismatch) > MISTAKEN { 0.94 } else { weight };
         Some((weight * rises(size(&mismatch), 0.7), mismatch))
     };
     // The initial state of a search for the steady flow is gone once that is found.
