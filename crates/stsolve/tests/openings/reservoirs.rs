@@ -175,7 +175,7 @@ fn a_steady_flow_has_the_pressure_of_a_relaxed_outflow() {
         gas = { gamma = 1.4, gas_constant = 1 }
         reference = { density = 1, speed = 1, pressure = 1, length = 1 }
         initial.uniform = { density = 1, velocity = [0.3, 0], pressure = 0.95 }
-        boundary.left.inflow = { total_pressure = 1, total_temperature = 1 }
+        boundary.left.inflow = { total_pressure = 1, total_temperature = 1, direction = [1, 0] }
         boundary.right.outflow = { pressure = 0.9, velocity = [0.3, 0], relaxation = 5 }
     "#;
     on_text(directory.path(), case, &[], "run", &["--quiet"]).expect(0, &[]);
