@@ -102,7 +102,7 @@ struct Origin {
     stored: Checkpoint,
 }
 
-/// Temperatures that differ less are the same but for the digits of a case file.
+/// Rounding in the digits of a case file changes a temperature by less than this part.
 const SAME_TEMPERATURE: f64 = 1e-6;
 
 impl Origin {

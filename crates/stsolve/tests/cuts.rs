@@ -5,7 +5,7 @@ mod common;
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use common::{column, finished, number, shipped, stsolve};
+use common::{column, finished, number, on_text, shipped, stsolve};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -259,8 +259,7 @@ fn slices_on_periodic_planes_are_whole() {
          [time]\norder=1\nend=0.1\nslabs=1\n{}",
         planes.map(slice).concat()
     );
-    fs::write(directory.path().join("case.toml"), case).unwrap();
-    stsolve(directory.path(), &["run", "case.toml", "--output", "run"]).expect(0, &[]);
+    on_text(directory.path(), &case, &[], "run", &[]).expect(0, &[]);
     for (name, ..) in planes {
         let text = fs::read_to_string(directory.path().join(format!("run/slice_{name}/slab_000001.vtp"))).unwrap();
         assert!((area(&text) - 1.0).abs() < 1e-12, "{name}: {}", area(&text));

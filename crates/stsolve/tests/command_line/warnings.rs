@@ -99,17 +99,19 @@ fn check_warns_of_doubtful_choices_and_names_the_remedy() {
     assert!((number("walls", "first cell in wall units") / wall_units - 1.0).abs() < 1e-12);
 }
 
+/// Whether `check` of a shipped case with other settings warns about a subject.
+fn warns(case: &str, settings: &[&str], subject: &str) -> bool {
+    let case = shipped(case);
+    let mut arguments = vec!["check", "--json", "--probe", "never", &case];
+    settings.iter().for_each(|setting| arguments.extend(["--set", setting]));
+    let (code, stdout, stderr) = outcome(Path::new("."), &arguments);
+    assert_eq!((code, stderr.as_str()), (0, ""), "{settings:?}");
+    serde_json::from_str::<serde_json::Value>(&stdout).unwrap()["warnings"].get(subject).is_some()
+}
+
 /// Bodies were left out: a prescribed motion that starts suddenly, and walls beside them that bulge with their mesh.
 #[test]
 fn check_warns_of_doubtful_bodies() {
-    let warns = |case: &str, settings: &[&str], subject: &str| {
-        let case = shipped(case);
-        let mut arguments = vec!["check", "--json", "--probe", "never", &case];
-        settings.iter().for_each(|setting| arguments.extend(["--set", setting]));
-        let (code, stdout, stderr) = outcome(Path::new("."), &arguments);
-        assert_eq!((code, stderr.as_str()), (0, ""), "{settings:?}");
-        serde_json::from_str::<serde_json::Value>(&stdout).unwrap()["warnings"].get(subject).is_some()
-    };
     let cylinder = "cylinder_viv.toml";
     assert!(warns(cylinder, &["bodies.cylinder.y={motion=\"0.1*t\"}"], "start of the motion"));
     assert!(!warns(cylinder, &["bodies.cylinder.y={motion=\"0.1*t^2\"}"], "start of the motion"));
@@ -141,25 +143,6 @@ fn check_warns_of_doubtful_bodies() {
     assert!(warns(cylinder, &["bodies.cylinder.y={spring=-1}"], "spring"));
     let stops = |lower: f64| format!("bodies.cylinder.y={{spring=1,stops={{lower={lower},upper=2,stiffness=10}}}}");
     assert!(warns(cylinder, &[&stops(1.0)], "stops") && !warns(cylinder, &[&stops(-1.0)], "stops"));
-    // Contacts of pi (2 / stiffness)^1/2 in slabs of 0.2; slabs that adapt resolve them.
-    let stiff = "bodies.cylinder.y={spring=1,stops={lower=-1,upper=2,stiffness=1e4}}";
-    assert!(
-        warns(cylinder, &[stiff], "stops") && !warns(cylinder, &[stiff, "time.adaptive={tolerance=0.01}"], "stops")
-    );
-    // A pivot that was forgotten is the origin; here it is far from the cylinder.
-    let turns = |pivot: &str| {
-        format!("bodies.cylinder={{walls=[\"wall\"],mass=1,moment_of_inertia=1,pivot={pivot},rotation={{spring=1}}}}")
-    };
-    assert!(warns(cylinder, &[&turns("[3,0]")], "pivot") && !warns(cylinder, &[&turns("[0.4,0]")], "pivot"));
-    // A rate of a free body at the start was passed over; a weight off the pivot holds a pendulum.
-    assert!(warns(cylinder, &["bodies.cylinder.y={spring=1,rate=0.1}"], "start of the motion"));
-    let pendulum = |force: &str| {
-        format!(
-            "bodies.cylinder={{walls=[\"wall\"],mass=1,moment_of_inertia=1,centre_of_mass=[0.1,0]{force},rotation={{}}}}"
-        )
-    };
-    assert!(warns(cylinder, &[released, &pendulum("")], "equilibrium"));
-    assert!(!warns(cylinder, &[released, &pendulum(",force=[0,-1]")], "equilibrium"));
     // The same stream stands at three places of this case.
     assert!(warns(cylinder, &["flow.boundary.far.far_field.mach=0.05"], "opening") && !warns(cylinder, &[], "opening"));
     assert!(warns(cylinder, &["flow.boundary.far.far_field.velocity=[2,0]"], "reference state"));
@@ -175,6 +158,31 @@ fn check_warns_of_doubtful_bodies() {
     // Gas sticks to these.
     let viscous = ["flow.gas.viscosity={constant=1e-3}", "flow.boundary.others={adiabatic_wall={}}", beside[0]];
     assert!(warns("piston_free.toml", &viscous, subject));
+}
+
+/// Stiff stops, pivots that were forgotten and rates at the start had no warning; a pendulum was told to have no equilibrium.
+#[test]
+fn check_warns_of_bodies_that_bounce_turn_and_start() {
+    let (cylinder, released) = ("cylinder_viv.toml", "solver.steady={bodies=\"equilibrium\"}");
+    // Contacts of pi (2 / stiffness)^1/2 in slabs of 0.2; slabs that adapt resolve them.
+    let stiff = "bodies.cylinder.y={spring=1,stops={lower=-1,upper=2,stiffness=1e4}}";
+    assert!(
+        warns(cylinder, &[stiff], "stops") && !warns(cylinder, &[stiff, "time.adaptive={tolerance=0.01}"], "stops")
+    );
+    // It is the origin; here it is far from the cylinder.
+    let turns = |pivot: &str| {
+        format!("bodies.cylinder={{walls=[\"wall\"],mass=1,moment_of_inertia=1,pivot={pivot},rotation={{spring=1}}}}")
+    };
+    assert!(warns(cylinder, &[&turns("[3,0]")], "pivot") && !warns(cylinder, &[&turns("[0.4,0]")], "pivot"));
+    assert!(warns(cylinder, &["bodies.cylinder.y={spring=1,rate=0.1}"], "start of the motion"));
+    // A weight off the pivot holds it.
+    let pendulum = |force: &str| {
+        format!(
+            "bodies.cylinder={{walls=[\"wall\"],mass=1,moment_of_inertia=1,centre_of_mass=[0.1,0]{force},rotation={{}}}}"
+        )
+    };
+    assert!(warns(cylinder, &[released, &pendulum("")], "equilibrium"));
+    assert!(!warns(cylinder, &[released, &pendulum(",force=[0,-1]")], "equilibrium"));
 }
 
 /// The warnings of a case, and its table of outputs.
