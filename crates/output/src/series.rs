@@ -1,6 +1,6 @@
 //! The group `/stsolve/series`: arrays that are written at times of their own, more or less often than the fields.
 
-use hdf5::{Group, Result};
+use hdf5::{Dataset, Group, Result};
 
 use crate::hdf::{append, drop_last, group_in, growing, read_labels, write_labels};
 use crate::layout::{ArraySpec, Axis};
@@ -29,11 +29,17 @@ pub(crate) fn extend(parent: &Group, array: &ArraySpec, time: f64, values: &[f64
 /// Appends an entry, unless there is one at that time: a wall that begins with a resumed run has one when that run stops at once.
 fn append_row(group: &Group, time: f64, values: &[f64]) -> Result<()> {
     let times = group.dataset("times")?;
-    if times.read_raw::<f64>()?.last() == Some(&time) {
+    if ends_at(&times, time)? {
         return Ok(());
     }
     append(&group.dataset("values")?, 1, values)?;
     append(&times, 1, &[time])
+}
+
+/// Whether the last of these times is `time`. The others are not read: a long run appends often.
+fn ends_at(times: &Dataset, time: f64) -> Result<bool> {
+    let count = times.size();
+    Ok(count > 0 && times.read_slice_1d::<f64, _>(count - 1..count)?[0] == time)
 }
 
 fn create(all: &Group, array: &ArraySpec) -> Result<Group> {
@@ -50,7 +56,7 @@ pub(crate) fn drop_at(parent: &Group, time: f64) -> Result<()> {
     for name in names(parent)? {
         let group = parent.group(GROUP)?.group(&name)?;
         let times = group.dataset("times")?;
-        if times.read_raw::<f64>()?.last() == Some(&time) {
+        if ends_at(&times, time)? {
             drop_last(&group.dataset("values")?, 1)?;
             drop_last(&times, 1)?;
         }
