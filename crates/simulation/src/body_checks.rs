@@ -1,6 +1,6 @@
 //! What is doubtful about the rigid bodies of a case, known before a run.
 
-use super::bodies::{beside_flow, bounds, in_space, is_of_body, middle_and_area, mode, rate, wall_facets};
+use super::bodies::{beside_flow, bounds, extent, in_space, is_of_body, middle_and_area, mode, rate, wall_facets};
 use super::build::{StructureAtStart, structure_at_start};
 use super::error::Failure;
 use case::{Analysis, Case, Flow, Freedom, RigidBody, SteadyBodies, Structure, StructureLaw};
@@ -45,7 +45,7 @@ pub fn point_far_from_body<const D: usize>(case: &Case<D>) -> Option<(&RigidBody
         let [low, high] = bounds(&case.mesh, &body.walls);
         let outside =
             norm(&in_space::<D>(&std::array::from_fn(|d| (low[d] - point[d]).max(point[d] - high[d]).max(0.0))));
-        let size = (0..D).map(|d| high[d] - low[d]).fold(0.0, f64::max);
+        let size = extent(&case.mesh, &body.walls);
         (outside > size).then(|| outside / size)
     };
     let of_body = |body| {

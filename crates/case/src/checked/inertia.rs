@@ -139,8 +139,7 @@ fn check_definite(checker: &Checker<'_>, key: &Key, tensor: &Tensor) -> Checked<
         checker.require(&key.entry(i).entry(j), &quantity, holds, "a symmetric tensor")?;
     }
     check_of_a_body(checker, key, tensor)?;
-    let cofactor = tensor::cofactor(tensor);
-    let minors = [tensor[0][0], cofactor[2][2], tensor::determinant(tensor, &cofactor)];
+    let minors = leading_minors(tensor);
     let quantity = format!("the tensor of inertia, with the leading minors {minors:?},");
     let accepted = "a positive definite tensor: its leading minors are positive";
     checker.require(key, &quantity, minors.iter().all(|minor| *minor > 0.0), accepted)?;
@@ -153,8 +152,12 @@ fn check_principal_moments(checker: &Checker<'_>, key: &Key, tensor: &Tensor) ->
     let half = 0.5 * (1.0 + 1e-6) * (tensor[0][0] + tensor[1][1] + tensor[2][2]);
     let spread: Tensor =
         std::array::from_fn(|i| std::array::from_fn(|j| if i == j { half - tensor[i][j] } else { -tensor[i][j] }));
-    let cofactor = tensor::cofactor(&spread);
-    let minors = [spread[0][0], cofactor[2][2], tensor::determinant(&spread, &cofactor)];
     let accepted = "the tensor of a body: no principal moment is larger than the sum of the other two";
-    checker.require(key, "the tensor of inertia", minors.iter().all(|minor| *minor > 0.0), accepted)
+    checker.require(key, "the tensor of inertia", leading_minors(&spread).iter().all(|minor| *minor > 0.0), accepted)
+}
+
+/// They are positive if and only if the symmetric `tensor` is positive definite.
+fn leading_minors(tensor: &Tensor) -> [f64; 3] {
+    let cofactor = tensor::cofactor(tensor);
+    [tensor[0][0], cofactor[2][2], tensor::determinant(tensor, &cofactor)]
 }
